@@ -1,0 +1,15 @@
+//! epsilux: a scene-file toolchain around a Monte Carlo path tracer.
+//!
+//! One arrow runs through the crate, and each stage is one function:
+//! `import::read` -> `scene::validate` -> `prepare::analyse` -> `prepare::prepare` ->
+//! `integrate::render` -> `output::write`. ARCHITECTURE.md walks through it.
+//!
+//! Units everywhere: metres, watts, radiance in W sr^-1 m^-2; colours are linear Rec. 709;
+//! space is right-handed with +Y up.
+
+pub mod color;
+pub mod film;
+pub mod math;
+pub mod scene;
+
+pub use glam;

@@ -1,0 +1,131 @@
+//! Materials: the report's four, and one principled material for everything else.
+
+use crate::color::Rgb;
+
+/// A named material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Unique in the scene.
+    pub name: String,
+    /// What it does to light.
+    pub kind: MaterialKind,
+}
+
+/// What a material does to light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialKind {
+    /// Lambert's reflector, on both sides.
+    Diffuse {
+        /// Reflectance, [0, 1].
+        color: Rgb,
+    },
+    /// A perfect mirror without Fresnel, on both sides.
+    Mirror {
+        /// Reflectance, [0, 1].
+        color: Rgb,
+    },
+    /// A smooth dielectric; the front side is outside.
+    Glass(Glass),
+    /// A black surface that emits.
+    Light {
+        /// Emitted radiance, W sr^-1 m^-2, [0, inf).
+        radiance: Rgb,
+        /// Which sides emit.
+        sides: Sides,
+    },
+    /// glTF's metallic-roughness material, layered as Blender layers it.
+    Principled(Box<Principled>),
+}
+
+/// Which sides of a surface emit; the front is where triangles wind counter-clockwise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sides {
+    /// The front only.
+    #[default]
+    Front,
+    /// Both.
+    Both,
+}
+
+/// A smooth dielectric with exact Fresnel reflection.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Glass {
+    /// Index of refraction against the medium outside, [1, inf) in practice, (0, inf) allowed.
+    pub ior: f32,
+    /// Factor on each refraction event, [0, 1]; reflections are not tinted.
+    pub tint: Rgb,
+    /// What the inside absorbs.
+    pub absorption: Option<Absorption>,
+}
+
+/// Absorption along the way through a medium, as Beer and Lambert have it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Absorption {
+    /// Transmittance after `distance`, (0, 1].
+    pub color: Rgb,
+    /// Metres, (0, inf).
+    pub distance: f32,
+}
+
+/// glTF 2.0's metallic-roughness material with transmission, ior, specular, volume and emission.
+///
+/// Layers, from the top: a dielectric specular layer over diffuse or transmission, mixed with metal.
+/// A lower layer receives what the directional albedo of the one above leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Principled {
+    /// Diffuse reflectance, or the metal's reflectance at normal incidence, [0, 1].
+    pub base_color: Rgb,
+    /// 0 dielectric, 1 metal.
+    pub metallic: f32,
+    /// Perceptual roughness [0, 1]; the GGX width is its square.
+    pub roughness: f32,
+    /// Index of refraction of the dielectric, [1, inf); 1 has no specular reflection.
+    pub ior: f32,
+    /// Strength of the dielectric's specular reflection: a factor on F0, [0, 1].
+    pub specular: f32,
+    /// Tint of the dielectric's specular reflection: a factor on F0, [0, inf).
+    pub specular_color: Rgb,
+    /// Share of light that is transmitted instead of scattered diffusely, [0, 1].
+    pub transmission: f32,
+    /// Factor on each refraction event, [0, 1].
+    pub transmission_tint: Rgb,
+    /// True where transmission passes a sheet without bending: the surface encloses no volume.
+    pub thin: bool,
+    /// What the inside absorbs.
+    pub absorption: Option<Absorption>,
+    /// Emitted radiance on both sides, W sr^-1 m^-2, [0, inf).
+    pub emission: Rgb,
+}
+
+impl Default for Principled {
+    /// White, rough, not metallic, ior 1.5: the defaults of Blender's and this program's text form
+    /// (glTF's own default, metallic 1, is resolved by the importer).
+    fn default() -> Self {
+        Self {
+            base_color: Rgb::WHITE,
+            metallic: 0.0,
+            roughness: 0.5,
+            ior: 1.5,
+            specular: 1.0,
+            specular_color: Rgb::WHITE,
+            transmission: 0.0,
+            transmission_tint: Rgb::WHITE,
+            thin: false,
+            absorption: None,
+            emission: Rgb::BLACK,
+        }
+    }
+}
+
+impl MaterialKind {
+    /// Emitted radiance and the emitting sides, where the material emits at all.
+    #[must_use]
+    pub fn emission(&self) -> Option<(Rgb, Sides)> {
+        let (radiance, sides) = match self {
+            Self::Light { radiance, sides } => (*radiance, *sides),
+            Self::Principled(p) => (p.emission, Sides::Both),
+            Self::Diffuse { .. } | Self::Mirror { .. } | Self::Glass(_) => return None,
+        };
+        (!radiance.is_black()).then_some((radiance, sides))
+    }
+}

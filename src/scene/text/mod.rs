@@ -1,0 +1,1 @@
+//! The text form of a scene: TOML, and the same model as JSON.
