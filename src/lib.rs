@@ -7,9 +7,12 @@
 //! Units everywhere: metres, watts, radiance in W sr^-1 m^-2; colours are linear Rec. 709;
 //! space is right-handed with +Y up.
 
+pub mod accel;
 pub mod color;
 pub mod film;
 pub mod math;
+pub mod sampling;
 pub mod scene;
+pub mod shape;
 
 pub use glam;

@@ -7,9 +7,11 @@
 
 mod frame;
 mod round;
+mod trig;
 
 pub use frame::{Frame, orthonormal_basis};
 pub use round::{gamma, next_down, next_up};
+pub use trig::{sin_cos, sin_cos_turn};
 
 use glam::Vec3;
 

@@ -1,0 +1,123 @@
+//! The watertight ray-triangle test (Woop, Benthin and Wald, JCGT 2(1), 2013).
+//!
+//! Two triangles that share an edge compute its edge function from the same numbers, so a ray cannot
+//! pass between them. Where an edge function is exactly zero it is computed again in `f64`, in which
+//! the products are exact. No fused multiply-add may enter: antisymmetry under exchange of the two
+//! vertices is what closes the edge.
+
+use glam::Vec3;
+
+use super::Ray;
+use crate::math::gamma;
+
+/// A ray prepared for the test: the axis in which it is longest becomes z, and a shear makes it
+/// point along that axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Shear {
+    /// Indices of the permuted axes x, y and z.
+    pub axes: [usize; 3],
+    /// Shear of x and y, and scale of z.
+    pub s: [f32; 3],
+    /// Origin, unpermuted.
+    pub o: [f32; 3],
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleHit {
+    /// Distance in units of the ray's direction, > 0.
+    pub t: f32,
+    /// Barycentric coordinate of the second vertex.
+    pub b1: f32,
+    /// Barycentric coordinate of the third vertex.
+    pub b2: f32,
+}
+
+impl Shear {
+    /// Prepares `ray`; its direction need not be unit.
+    #[inline]
+    #[must_use]
+    pub fn new(ray: &Ray) -> Self {
+        let a = ray.d.abs();
+        let z = if a.x > a.y {
+            if a.x > a.z { 0 } else { 2 }
+        } else if a.y > a.z {
+            1
+        } else {
+            2
+        };
+        let d = ray.d.to_array();
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        if d[z] < 0.0 {
+            // Keeps the winding.
+            std::mem::swap(&mut x, &mut y);
+        }
+        Self { axes: [x, y, z], s: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]], o: ray.o.to_array() }
+    }
+
+    /// Sheared x and y of a vertex relative to the origin.
+    #[inline(always)]
+    fn project(&self, v: Vec3) -> (f32, f32, f32) {
+        let v = v.to_array();
+        let [x, y, z] = self.axes;
+        let az = v[z] - self.o[z];
+        (v[x] - self.o[x] - self.s[0] * az, v[y] - self.o[y] - self.s[1] * az, az)
+    }
+
+    /// The triangle `v0 v1 v2`, either side, at a distance in (0, inf).
+    #[inline]
+    #[must_use]
+    pub fn intersect(&self, v0: Vec3, v1: Vec3, v2: Vec3) -> Option<TriangleHit> {
+        let (ax, ay, az) = self.project(v0);
+        let (bx, by, bz) = self.project(v1);
+        let (cx, cy, cz) = self.project(v2);
+        let (mut u, mut v, mut w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
+        if u == 0.0 || v == 0.0 || w == 0.0 {
+            let exact = |a: f32, b: f32, c: f32, d: f32| {
+                (f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d)) as f32
+            };
+            u = exact(cx, by, cy, bx);
+            v = exact(ax, cy, ay, cx);
+            w = exact(bx, ay, by, ax);
+        }
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return None;
+        }
+        let det = u + v + w;
+        if det == 0.0 {
+            return None;
+        }
+        let inv = 1.0 / det;
+        let t = (u * az + v * bz + w * cz) * self.s[2] * inv;
+        // Written so that NaN misses.
+        (t > 0.0 && t < f32::INFINITY).then_some(TriangleHit { t, b1: v * inv, b2: w * inv })
+    }
+}
+
+/// The point with barycentric coordinates (1 - b1 - b2, b1, b2), and a bound on the error of each of
+/// its coordinates: gamma(7) times the sum of the absolute products (Pharr et al., section 6.8.5).
+#[inline]
+#[must_use]
+pub fn point(v: [Vec3; 3], b1: f32, b2: f32) -> (Vec3, Vec3) {
+    let b0 = 1.0 - b1 - b2;
+    let (a, b, c) = (v[0] * b0, v[1] * b1, v[2] * b2);
+    (a + b + c, (a.abs() + b.abs() + c.abs()) * gamma(7))
+}
+
+/// Unit normal of the counter-clockwise triangle, computed in `f64` (thin triangles keep their
+/// direction, and no power of two of the scale under- or overflows); `None` where it has no area.
+#[inline]
+#[must_use]
+pub fn normal(v: [Vec3; 3]) -> Option<Vec3> {
+    let v0 = v[0].as_dvec3();
+    let n = (v[1].as_dvec3() - v0).cross(v[2].as_dvec3() - v0);
+    let length = n.length();
+    (length > 0.0 && length.is_finite()).then(|| (n / length).as_vec3())
+}
+
+/// Area in square metres, computed in `f64`.
+#[must_use]
+pub fn area(v: [Vec3; 3]) -> f64 {
+    let v0 = v[0].as_dvec3();
+    0.5 * (v[1].as_dvec3() - v0).cross(v[2].as_dvec3() - v0).length()
+}
