@@ -8,8 +8,10 @@
 //! space is right-handed with +Y up.
 
 pub mod accel;
+pub mod bsdf;
 pub mod color;
 pub mod film;
+pub mod light;
 pub mod math;
 pub mod sampling;
 pub mod scene;

@@ -1,0 +1,97 @@
+//! Spheres: a uniform cone of directions from outside, uniform by area from inside.
+
+use glam::Vec3;
+
+use super::SurfaceSample;
+use crate::math::Frame;
+use crate::sampling::warp::{square_to_cone, square_to_cone_pdf, square_to_sphere};
+use crate::shape::{Ray, sphere};
+
+/// An emissive sphere.
+#[derive(Clone, Copy, Debug)]
+pub struct SphereLight {
+    /// World space.
+    pub center: Vec3,
+    /// Metres.
+    pub radius: f32,
+}
+
+impl SphereLight {
+    /// Area, m^2.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        4.0 * std::f64::consts::PI * f64::from(self.radius) * f64::from(self.radius)
+    }
+
+    /// 1 - cos of the half angle under which the sphere is seen from `p`, without cancellation;
+    /// `None` from inside.
+    fn one_minus_cos(&self, p: Vec3) -> Option<f32> {
+        let d2 = (self.center.as_dvec3() - p.as_dvec3()).length_squared();
+        let sin2 = f64::from(self.radius) * f64::from(self.radius) / d2;
+        (sin2 < 1.0).then(|| (sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
+    }
+
+    /// A point of the sphere as seen from `p`.
+    #[must_use]
+    pub fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<SurfaceSample> {
+        let Some(one_minus_cos) = self.one_minus_cos(p) else {
+            let n = square_to_sphere(u);
+            let q = self.center + n * self.radius;
+            let pdf = super::set::area_pdf(p, q, n, self.area());
+            let p_err = (self.center.abs() + Vec3::splat(self.radius)) * crate::math::gamma(3);
+            return (pdf > 0.0 && pdf.is_finite()).then_some(SurfaceSample { p: q, p_err, n, pdf });
+        };
+        let axis = (self.center.as_dvec3() - p.as_dvec3()).normalize().as_vec3();
+        let w = Frame::from_z(axis).to_world(square_to_cone(u, one_minus_cos)).normalize();
+        let ray = Ray::new(p, w);
+        // A direction at the rim may miss by rounding: the tangent point then.
+        let t = sphere::first_hit(&ray, self.center, self.radius, false)
+            .unwrap_or_else(|| (self.center - p).dot(w));
+        let (q, p_err, n) = sphere::point(&ray, t, self.center, self.radius);
+        Some(SurfaceSample { p: q, p_err, n, pdf: square_to_cone_pdf(one_minus_cos) })
+    }
+
+    /// Density per solid angle at `p` of [`Self::sample`] for the direction to the point `q` of the
+    /// sphere with unit normal `n`.
+    #[must_use]
+    pub fn pdf(&self, p: Vec3, q: Vec3, n: Vec3) -> f32 {
+        match self.one_minus_cos(p) {
+            Some(h) => square_to_cone_pdf(h),
+            None => super::set::area_pdf(p, q, n, self.area()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// N51: the cone's density is one over the solid angle 2 pi (1 - cos), also where r / d = 1e-6.
+    #[test]
+    fn density_is_one_over_the_solid_angle() {
+        for (r, d) in [(1.0, 2.0), (1e-6, 1.0), (1.0, 1.0001), (1e-3, 50.0f32)] {
+            let light = SphereLight { center: Vec3::Z * d, radius: r };
+            let ratio = f64::from(r) / f64::from(d);
+            let one_minus_cos = ratio * ratio / (1.0 + (1.0 - ratio * ratio).sqrt());
+            let expected = 1.0 / (2.0 * std::f64::consts::PI * one_minus_cos);
+            let s = light.sample(Vec3::ZERO, [0.3, 0.7]).expect("visible");
+            assert!((f64::from(s.pdf) / expected - 1.0).abs() < 1e-5, "{r} {d}");
+            let on_sphere = ((s.p - light.center).length() - r).abs() <= 4.0 * f32::EPSILON * d;
+            assert!(on_sphere && light.pdf(Vec3::ZERO, s.p, s.n) == s.pdf);
+        }
+    }
+
+    /// From inside, one over the densities averages to the whole sphere of directions.
+    #[test]
+    fn from_inside_all_directions_are_covered() {
+        let light = SphereLight { center: Vec3::new(0.2, 0.1, 0.3), radius: 1.0 };
+        let n = 300;
+        let mut sum = 0.0;
+        for i in 0..n * n {
+            let u = [(i % n) as f32 + 0.5, (i / n) as f32 + 0.5].map(|x| x / n as f32);
+            sum += 1.0 / f64::from(light.sample(Vec3::new(0.5, -0.2, 0.1), u).expect("inside").pdf);
+        }
+        let whole = 4.0 * std::f64::consts::PI;
+        assert!((sum / f64::from(n * n) / whole - 1.0).abs() < 1e-4);
+    }
+}
