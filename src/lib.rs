@@ -13,8 +13,11 @@ pub mod color;
 pub mod film;
 pub mod light;
 pub mod math;
+pub mod output;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod shape;
+pub mod stats;
 
 pub use glam;
