@@ -9,6 +9,7 @@
 
 pub mod color;
 pub mod film;
+pub mod integrate;
 pub mod math;
 pub mod scene;
 

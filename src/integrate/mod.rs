@@ -1,0 +1,3 @@
+//! Light transport.
+
+pub mod naive;
