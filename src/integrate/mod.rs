@@ -7,6 +7,7 @@
 mod direct;
 mod kernels;
 mod li;
+pub mod naive;
 
 mod render;
 mod roulette;
