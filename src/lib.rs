@@ -9,6 +9,7 @@
 
 pub mod color;
 pub mod film;
+pub mod import;
 pub mod math;
 pub mod scene;
 
