@@ -82,7 +82,9 @@ struct Head<V> {
 fn wrong_version(found: Option<Option<i64>>, text: &str, syntax: Syntax) -> Option<TextError> {
     let message = match found? {
         Some(version) if version == i64::from(VERSION) => return None,
-        Some(version) => format!("the scene is of version {version} of the form, this program reads {VERSION}"),
+        Some(version) => {
+            format!("the scene is of version {version} of the form, this program reads {VERSION}")
+        }
         None => "the key `epsilux = 1` that marks a scene is missing at the top".to_owned(),
     };
     Some(Fault::new(TextErrorKind::Version, Place::top("epsilux"), message).locate(text, syntax))
@@ -111,7 +113,8 @@ mod tests {
 
     #[test]
     fn hexroom_parses() {
-        let (scene, notes) = parse(include_str!("../../../scenes/hexroom.toml")).unwrap_or_else(|e| panic!("{e}"));
+        let (scene, notes) =
+            parse(include_str!("../../../scenes/hexroom.toml")).unwrap_or_else(|e| panic!("{e}"));
         assert!(notes.is_empty());
         assert_eq!(scene.objects.len(), 8 + 8);
     }
