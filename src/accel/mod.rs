@@ -166,3 +166,6 @@ impl Accel {
         if instance == 0 { 0 } else { self.instances[instance as usize - 1].mesh }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,16 +2,14 @@
 //!
 //! Only box tests may be inexact, and they err on the side of entering: boxes are padded, near planes
 //! are moved nearer and far planes farther by more than their rounding (Ize, JCGT 2(2), 2013). The
-//! triangle test is `shape::triangle`'s, eight lanes at a time; a lane it does not rule out is decided
-//! by the scalar test itself.
-
-use glam::Vec3;
+//! triangle test is `shape::triangle`'s, its edge functions computed for eight lanes at a time; a lane
+//! that they do not rule out is decided by the scalar code.
 
 use super::build;
 use super::packet::Packet;
-use super::tree::{LEAF_BIT, Node, Tree};
+use super::tree::{LEAF_BIT, Leaf, Node, Tree};
 use super::{Accel, Hit, PrimitiveId};
-use crate::shape::triangle::Shear;
+use crate::shape::triangle::{Shear, TriangleHit};
 use crate::shape::{Ray, sphere};
 
 /// A node pushes at most seven entries more than it pops.
@@ -53,44 +51,82 @@ impl Boxes {
                 far[lane] = if b < far[lane] { b } else { far[lane] };
             }
         }
+        let bits: [u32; 8] = std::array::from_fn(|lane| u32::from(near[lane] <= far[lane]) << lane);
         let mut mask = 0;
-        for lane in 0..8 {
-            mask |= u32::from(near[lane] <= far[lane]) << lane;
+        for b in bits {
+            mask |= b;
         }
         (near, mask)
     }
 }
 
-/// A mask of the packet's lanes that the sheared ray may meet.
+/// The packet's triangles as the sheared ray sees them.
+struct Seen {
+    /// x, y and z of each vertex, by lane.
+    p: [[[f32; 8]; 3]; 3],
+    /// Edge functions opposite to each vertex.
+    e: [[f32; 8]; 3],
+    /// Lanes that the ray may meet.
+    mask: u32,
+}
+
 #[inline(always)]
-fn candidates(shear: &Shear, packet: &Packet) -> u32 {
+fn see(shear: &Shear, packet: &Packet) -> Seen {
     let [x, y, z] = shear.axes;
     let [sx, sy, _] = shear.s;
     let (ox, oy, oz) = (shear.o[x], shear.o[y], shear.o[z]);
-    let mut p = [[[0.0f32; 8]; 2]; 3];
+    let mut p = [[[0.0f32; 8]; 3]; 3];
     for k in 0..3 {
         let v = &packet.v[k];
         for lane in 0..8 {
             let az = v[z][lane] - oz;
             p[k][0][lane] = v[x][lane] - ox - sx * az;
             p[k][1][lane] = v[y][lane] - oy - sy * az;
+            p[k][2][lane] = az;
         }
     }
-    let [a, b, c] = &p;
-    let mut mask = 0;
+    let mut e = [[0.0f32; 8]; 3];
+    let mut bits = [0u32; 8];
     for lane in 0..8 {
-        let u = c[0][lane] * b[1][lane] - c[1][lane] * b[0][lane];
-        let v = a[0][lane] * c[1][lane] - a[1][lane] * c[0][lane];
-        let w = b[0][lane] * a[1][lane] - b[1][lane] * a[0][lane];
+        let [a, b, c] = [0, 1, 2].map(|k: usize| (p[k][0][lane], p[k][1][lane]));
+        let u = c.0 * b.1 - c.1 * b.0;
+        let v = a.0 * c.1 - a.1 * c.0;
+        let w = b.0 * a.1 - b.1 * a.0;
+        (e[0][lane], e[1][lane], e[2][lane]) = (u, v, w);
         let inside = ((u >= 0.0) & (v >= 0.0) & (w >= 0.0)) | ((u <= 0.0) & (v <= 0.0) & (w <= 0.0));
-        mask |= u32::from(inside) << lane;
+        bits[lane] = u32::from(inside) << lane;
     }
-    mask
+    let mut mask = 0;
+    for b in bits {
+        mask |= b;
+    }
+    Seen { p, e, mask: mask & packet.used }
 }
 
-/// Visits the leaves of `tree` that `boxes` enters, nearest first, until `visit` returns true.
+impl Seen {
+    /// Decides one lane.
+    #[inline(always)]
+    fn hit(&self, shear: &Shear, lane: usize) -> Option<TriangleHit> {
+        let vertex = |k: usize| (self.p[k][0][lane], self.p[k][1][lane], self.p[k][2][lane]);
+        shear.decide(vertex(0), vertex(1), vertex(2), [self.e[0][lane], self.e[1][lane], self.e[2][lane]])
+    }
+}
+
+/// What happens to the leaves that a ray enters. Traits instead of closures, because a closure would be
+/// compiled for the portable instructions.
+trait Visit {
+    /// Visits a leaf; may shorten `t_max`; true ends the walk.
+    fn leaf(&mut self, leaf: Leaf, t_max: &mut f32) -> bool;
+}
+
+/// What happens to hits nearer than the best so far; true ends the query.
+trait Accept {
+    fn accept(&mut self, hit: Hit, t_max: &mut f32) -> bool;
+}
+
+/// Visits the leaves of `tree` that `boxes` enters, nearest first.
 #[inline(always)]
-fn walk(tree: &Tree, boxes: &Boxes, t_max: &mut f32, mut visit: impl FnMut(usize, &mut f32) -> bool) -> bool {
+fn walk(tree: &Tree, boxes: &Boxes, t_max: &mut f32, visit: &mut impl Visit) -> bool {
     if tree.nodes.is_empty() {
         return false;
     }
@@ -103,7 +139,7 @@ fn walk(tree: &Tree, boxes: &Boxes, t_max: &mut f32, mut visit: impl FnMut(usize
             continue;
         }
         if child & LEAF_BIT != 0 {
-            if visit((child & !LEAF_BIT) as usize, t_max) {
+            if visit.leaf(tree.leaves[(child & !LEAF_BIT) as usize], t_max) {
                 return true;
             }
             continue;
@@ -129,118 +165,165 @@ fn walk(tree: &Tree, boxes: &Boxes, t_max: &mut f32, mut visit: impl FnMut(usize
 }
 
 /// What both queries need to know of a ray.
+#[derive(Clone, Copy)]
 struct Query<'a> {
     ray: &'a Ray,
     skip: [PrimitiveId; 2],
     camera: bool,
 }
 
-/// Offers every hit of `tree` nearer than `t_max` to `accept`, which may shorten it.
-#[inline(always)]
-fn hits_in(
-    tree: &Tree,
+/// Offers the primitives of one space to `accept`.
+struct Primitives<'a, A> {
+    tree: &'a Tree,
     instance: u32,
-    query: &Query<'_>,
-    t_max: &mut f32,
-    accept: &mut impl FnMut(Hit, &mut f32) -> bool,
-) -> bool {
-    let boxes = Boxes::new(query.ray);
-    let shear = Shear::new(query.ray);
-    let skip = query.skip.map(|s| if s.instance == instance { s.primitive } else { u32::MAX });
-    let hidden = |primitive: u32| {
-        query.camera && tree.geometry.hidden.get(primitive as usize).copied().unwrap_or(false)
-    };
-    walk(tree, &boxes, t_max, |leaf, t_max| {
-        let leaf = tree.leaves[leaf];
+    ray: &'a Ray,
+    shear: Shear,
+    skip: [u32; 2],
+    camera: bool,
+    accept: &'a mut A,
+}
+
+impl<A: Accept> Primitives<'_, A> {
+    #[inline(always)]
+    fn hidden(&self, primitive: u32) -> bool {
+        self.camera && self.tree.geometry.hidden.get(primitive as usize).copied().unwrap_or(false)
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, t: f32, primitive: u32, b: [f32; 2], t_max: &mut f32) -> bool {
+        t <= *t_max
+            && !self.hidden(primitive)
+            && self.accept.accept(Hit { t, id: PrimitiveId { instance: self.instance, primitive }, b }, t_max)
+    }
+}
+
+impl<A: Accept> Visit for Primitives<'_, A> {
+    #[inline(always)]
+    fn leaf(&mut self, leaf: Leaf, t_max: &mut f32) -> bool {
+        let tree = self.tree;
         for packet in &tree.packets[leaf.packets[0] as usize..leaf.packets[1] as usize] {
-            let mut mask = candidates(&shear, packet);
+            let seen = see(&self.shear, packet);
+            let mut mask = seen.mask;
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize & 7;
                 mask &= mask - 1;
                 let primitive = packet.id[lane];
-                let vertex =
-                    |k: usize| Vec3::new(packet.v[k][0][lane], packet.v[k][1][lane], packet.v[k][2][lane]);
-                let Some(h) = shear.intersect(vertex(0), vertex(1), vertex(2)) else { continue };
-                if h.t > *t_max || primitive == skip[0] || primitive == skip[1] || hidden(primitive) {
+                if primitive == self.skip[0] || primitive == self.skip[1] {
                     continue;
                 }
-                let hit = Hit { t: h.t, id: PrimitiveId { instance, primitive }, b: [h.b1, h.b2] };
-                if accept(hit, t_max) {
+                if let Some(h) = seen.hit(&self.shear, lane)
+                    && self.offer(h.t, primitive, [h.b1, h.b2], t_max)
+                {
                     return true;
                 }
             }
         }
         for &primitive in &tree.others[leaf.others[0] as usize..leaf.others[1] as usize] {
+            if primitive == self.skip[1] {
+                continue;
+            }
             let (center, radius) = tree.geometry.spheres[(primitive - tree.triangle_count) as usize];
-            if primitive == skip[1] || hidden(primitive) {
-                continue;
-            }
-            let Some(t) = sphere::first_hit(query.ray, center, radius, primitive == skip[0]) else {
-                continue;
-            };
-            if t > *t_max {
-                continue;
-            }
-            if accept(Hit { t, id: PrimitiveId { instance, primitive }, b: [0.0; 2] }, t_max) {
+            let leaving = primitive == self.skip[0];
+            if let Some(t) = sphere::first_hit(self.ray, center, radius, leaving)
+                && self.offer(t, primitive, [0.0; 2], t_max)
+            {
                 return true;
             }
         }
         false
-    })
+    }
 }
 
-/// All hits of the world and of every instance, through `accept`.
+/// Offers every hit of one space that is nearer than `t_max`.
 #[inline(always)]
-fn hits(
-    accel: &Accel,
-    query: &Query<'_>,
+fn in_space<A: Accept>(
+    tree: &Tree,
+    instance: u32,
+    query: Query<'_>,
     t_max: &mut f32,
-    accept: &mut impl FnMut(Hit, &mut f32) -> bool,
+    accept: &mut A,
 ) -> bool {
-    if hits_in(&accel.spaces[0], 0, query, t_max, accept) {
-        return true;
-    }
-    let Some(top) = &accel.top else { return false };
-    walk(top, &Boxes::new(query.ray), t_max, |leaf, t_max| {
-        let leaf = top.leaves[leaf];
-        for &i in &top.others[leaf.others[0] as usize..leaf.others[1] as usize] {
-            let instance = &accel.instances[i as usize];
-            if query.camera && instance.hidden {
+    let skip = query.skip.map(|s| if s.instance == instance { s.primitive } else { u32::MAX });
+    let Query { ray, camera, .. } = query;
+    let mut visit = Primitives { tree, instance, ray, shear: Shear::new(ray), skip, camera, accept };
+    walk(tree, &Boxes::new(ray), t_max, &mut visit)
+}
+
+/// Enters the instances of the top tree.
+struct Instances<'a, A> {
+    accel: &'a Accel,
+    top: &'a Tree,
+    query: Query<'a>,
+    accept: &'a mut A,
+}
+
+impl<A: Accept> Visit for Instances<'_, A> {
+    #[inline(always)]
+    fn leaf(&mut self, leaf: Leaf, t_max: &mut f32) -> bool {
+        for &i in &self.top.others[leaf.others[0] as usize..leaf.others[1] as usize] {
+            let instance = &self.accel.instances[i as usize];
+            if self.query.camera && instance.hidden {
                 continue;
             }
             // The direction is not made unit again, so that t means the same in both spaces.
             let local = Ray {
-                o: instance.linear * query.ray.o + instance.translation,
-                d: instance.linear * query.ray.d,
+                o: instance.linear * self.query.ray.o + instance.translation,
+                d: instance.linear * self.query.ray.d,
                 t_max: *t_max,
             };
-            let query = Query { ray: &local, skip: query.skip, camera: false };
-            if hits_in(&accel.spaces[instance.mesh as usize], i + 1, &query, t_max, accept) {
+            let query = Query { ray: &local, skip: self.query.skip, camera: false };
+            if in_space(&self.accel.spaces[instance.mesh as usize], i + 1, query, t_max, self.accept) {
                 return true;
             }
         }
         false
-    })
+    }
+}
+
+/// All hits of the world and of every instance.
+#[inline(always)]
+fn hits<A: Accept>(accel: &Accel, query: Query<'_>, t_max: &mut f32, accept: &mut A) -> bool {
+    if in_space(&accel.spaces[0], 0, query, t_max, accept) {
+        return true;
+    }
+    let Some(top) = &accel.top else { return false };
+    walk(top, &Boxes::new(query.ray), t_max, &mut Instances { accel, top, query, accept })
+}
+
+/// Keeps the lexicographic minimum of (t, instance, primitive).
+struct Closest(Option<Hit>);
+
+impl Accept for Closest {
+    #[inline(always)]
+    fn accept(&mut self, hit: Hit, t_max: &mut f32) -> bool {
+        if self.0.is_none_or(|b| (hit.t, hit.id) < (b.t, b.id)) {
+            self.0 = Some(hit);
+            *t_max = hit.t;
+        }
+        false
+    }
+}
+
+/// Ends at the first hit before the end of the ray.
+struct Any(f32);
+
+impl Accept for Any {
+    #[inline(always)]
+    fn accept(&mut self, hit: Hit, _: &mut f32) -> bool {
+        hit.t < self.0
+    }
 }
 
 #[inline(always)]
 pub(super) fn closest(accel: &Accel, ray: &Ray, from: PrimitiveId, camera: bool) -> Option<Hit> {
-    let mut best: Option<Hit> = None;
+    let mut best = Closest(None);
     let mut t_max = ray.t_max;
-    let query = Query { ray, skip: [from, PrimitiveId::NONE], camera };
-    hits(accel, &query, &mut t_max, &mut |hit, t_max| {
-        if best.is_none_or(|b| (hit.t, hit.id) < (b.t, b.id)) {
-            best = Some(hit);
-            *t_max = hit.t;
-        }
-        false
-    });
-    best
+    hits(accel, Query { ray, skip: [from, PrimitiveId::NONE], camera }, &mut t_max, &mut best);
+    best.0
 }
 
 #[inline(always)]
 pub(super) fn occluded(accel: &Accel, ray: &Ray, between: [PrimitiveId; 2]) -> bool {
     let mut t_max = ray.t_max;
-    let query = Query { ray, skip: between, camera: false };
-    hits(accel, &query, &mut t_max, &mut |hit, _| hit.t < ray.t_max)
+    hits(accel, Query { ray, skip: between, camera: false }, &mut t_max, &mut Any(ray.t_max))
 }

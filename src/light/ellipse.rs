@@ -43,7 +43,7 @@ impl Ellipse {
         let (a, b) = (self.half_axes[0] * d.x, self.half_axes[1] * d.y);
         let q = self.center + a + b;
         let pdf = self.pdf(p, q);
-        let p_err = (self.center.abs() + a.abs() + b.abs()) * gamma(5);
+        let p_err = (self.center.abs() + a.abs() + b.abs()) * gamma(7);
         (pdf > 0.0 && pdf.is_finite()).then_some(SurfaceSample { p: q, p_err, n: self.n, pdf })
     }
 

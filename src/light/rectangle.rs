@@ -155,7 +155,7 @@ impl Rectangle {
 
     fn at(&self, a: f32, b: f32, pdf: f32) -> SurfaceSample {
         let (e0, e1) = (self.edges[0] * a, self.edges[1] * b);
-        let p_err = (self.corner.abs() + e0.abs() + e1.abs()) * gamma(5);
+        let p_err = (self.corner.abs() + e0.abs() + e1.abs()) * gamma(7);
         SurfaceSample { p: self.corner + e0 + e1, p_err, n: self.n, pdf }
     }
 }

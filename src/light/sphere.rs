@@ -38,7 +38,7 @@ impl SphereLight {
             let n = square_to_sphere(u);
             let q = self.center + n * self.radius;
             let pdf = super::set::area_pdf(p, q, n, self.area());
-            let p_err = (self.center.abs() + Vec3::splat(self.radius)) * crate::math::gamma(3);
+            let p_err = (self.center.abs() + Vec3::splat(self.radius)) * crate::math::gamma(5);
             return (pdf > 0.0 && pdf.is_finite()).then_some(SurfaceSample { p: q, p_err, n, pdf });
         };
         let axis = (self.center.as_dvec3() - p.as_dvec3()).normalize().as_vec3();

@@ -10,7 +10,7 @@ mod round;
 mod trig;
 
 pub use frame::{Frame, orthonormal_basis};
-pub use round::{gamma, next_down, next_up};
+pub use round::gamma;
 pub use trig::{sin_cos, sin_cos_turn};
 
 use glam::Vec3;

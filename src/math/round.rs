@@ -1,4 +1,4 @@
-//! Rounding: its bounds, and steps of one unit in the last place.
+//! Bounds on rounding.
 
 /// Bound on the relative error of `n` roundings in a row: n u / (1 - n u) with u = 2^-24
 /// (Higham, "Accuracy and Stability of Numerical Algorithms", 2nd ed., lemma 3.1).
@@ -7,20 +7,6 @@
 pub const fn gamma(n: u32) -> f32 {
     const U: f32 = f32::EPSILON * 0.5;
     (n as f32 * U) / (1.0 - n as f32 * U)
-}
-
-/// The next larger representable value; infinity stays.
-#[inline]
-#[must_use]
-pub fn next_up(x: f32) -> f32 {
-    x.next_up()
-}
-
-/// The next smaller representable value; minus infinity stays.
-#[inline]
-#[must_use]
-pub fn next_down(x: f32) -> f32 {
-    x.next_down()
 }
 
 #[cfg(test)]

@@ -334,6 +334,7 @@ impl fmt::Display for Comparison {
         if let Some(t) = &self.tiles {
             let [x, y] = t.worst;
             let (side, n, z) = (t.side, t.count, t.worst_z);
+            let p = probability(t.p);
             writeln!(f, "tiles     {n} of {side}x{side}, the worst at {x},{y}: z {z:+.2}, p {p} over all")?;
         }
         write!(f, "verdict   {}", self.verdict)?;

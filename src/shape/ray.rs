@@ -2,8 +2,6 @@
 
 use glam::Vec3;
 
-use crate::math::{next_down, next_up};
-
 /// A half line, or the part of it up to `t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
@@ -33,24 +31,14 @@ impl Ray {
 
 /// Moves the surface point `p` off its surface, to the side that `w` points to.
 ///
-/// `p_err` bounds the absolute error of each coordinate of `p`; the exact surface point lies in that
-/// box, so a step of `|ng| . p_err` along the unit normal `ng` clears the tangent plane, and rounding
-/// each coordinate away from it keeps it cleared (Pharr et al., "Physically Based Rendering",
-/// 4th ed., section 6.8.6). The step is proportional to the coordinates: scale free.
+/// `p_err` bounds the absolute error of each coordinate of `p`, and two units of rounding of that
+/// coordinate on top; the exact surface point lies in that box, so a step of `|ng| . p_err` along the
+/// unit normal `ng` clears the tangent plane (Pharr et al., "Physically Based Rendering", 4th ed.,
+/// section 6.8.6), and the extra units keep it cleared when the sums are rounded. The step is
+/// proportional to the coordinates: scale free.
 #[inline]
 #[must_use]
 pub fn offset_origin(p: Vec3, p_err: Vec3, ng: Vec3, w: Vec3) -> Vec3 {
     let step = ng.abs().dot(p_err);
-    let offset = if w.dot(ng) < 0.0 { ng * -step } else { ng * step };
-    let away = |p: f32, o: f32| {
-        let moved = p + o;
-        if o > 0.0 {
-            next_up(moved)
-        } else if o < 0.0 {
-            next_down(moved)
-        } else {
-            moved
-        }
-    };
-    Vec3::new(away(p.x, offset.x), away(p.y, offset.y), away(p.z, offset.z))
+    p + ng * step.copysign(w.dot(ng))
 }

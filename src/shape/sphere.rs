@@ -49,8 +49,8 @@ pub fn first_hit(ray: &Ray, center: Vec3, radius: f32, leaving: bool) -> Option<
     (t > 0.0 && t < f32::INFINITY).then_some(t)
 }
 
-/// The point at distance `t`, moved onto the sphere, with a bound on the error of each coordinate,
-/// and the outward unit normal there.
+/// The point at distance `t`, moved onto the sphere, with a bound on the error of each coordinate (see
+/// `offset_origin`), and the outward unit normal there.
 #[inline]
 #[must_use]
 pub fn point(ray: &Ray, t: f32, center: Vec3, radius: f32) -> (Vec3, Vec3, Vec3) {
@@ -58,5 +58,5 @@ pub fn point(ray: &Ray, t: f32, center: Vec3, radius: f32) -> (Vec3, Vec3, Vec3)
     let p = ray.o.as_dvec3() + ray.d.as_dvec3() * f64::from(t);
     let n = (p - c).try_normalize().unwrap_or(DVec3::Y);
     let p = (c + n * f64::from(radius)).as_vec3();
-    (p, p.abs() * gamma(2), n.as_vec3())
+    (p, p.abs() * gamma(4), n.as_vec3())
 }

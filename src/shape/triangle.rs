@@ -68,17 +68,25 @@ impl Shear {
     #[inline]
     #[must_use]
     pub fn intersect(&self, v0: Vec3, v1: Vec3, v2: Vec3) -> Option<TriangleHit> {
-        let (ax, ay, az) = self.project(v0);
-        let (bx, by, bz) = self.project(v1);
-        let (cx, cy, cz) = self.project(v2);
-        let (mut u, mut v, mut w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
+        let (a, b, c) = (self.project(v0), self.project(v1), self.project(v2));
+        let u = c.0 * b.1 - c.1 * b.0;
+        let v = a.0 * c.1 - a.1 * c.0;
+        let w = b.0 * a.1 - b.1 * a.0;
+        self.decide(a, b, c, [u, v, w])
+    }
+
+    /// Decides from the projected vertices (x, y, z) and the edge functions opposite to them.
+    #[inline(always)]
+    #[must_use]
+    pub fn decide(
+        &self,
+        a: (f32, f32, f32),
+        b: (f32, f32, f32),
+        c: (f32, f32, f32),
+        [mut u, mut v, mut w]: [f32; 3],
+    ) -> Option<TriangleHit> {
         if u == 0.0 || v == 0.0 || w == 0.0 {
-            let exact = |a: f32, b: f32, c: f32, d: f32| {
-                (f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d)) as f32
-            };
-            u = exact(cx, by, cy, bx);
-            v = exact(ax, cy, ay, cx);
-            w = exact(bx, ay, by, ax);
+            [u, v, w] = exact_edges(a, b, c);
         }
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
@@ -88,20 +96,30 @@ impl Shear {
             return None;
         }
         let inv = 1.0 / det;
-        let t = (u * az + v * bz + w * cz) * self.s[2] * inv;
+        let t = (u * a.2 + v * b.2 + w * c.2) * self.s[2] * inv;
         // Written so that NaN misses.
         (t > 0.0 && t < f32::INFINITY).then_some(TriangleHit { t, b1: v * inv, b2: w * inv })
     }
 }
 
+/// The edge functions in `f64`, in which the products are exact.
+#[cold]
+#[inline(never)]
+fn exact_edges(a: (f32, f32, f32), b: (f32, f32, f32), c: (f32, f32, f32)) -> [f32; 3] {
+    let exact =
+        |a: f32, b: f32, c: f32, d: f32| (f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d)) as f32;
+    [exact(c.0, b.1, c.1, b.0), exact(a.0, c.1, a.1, c.0), exact(b.0, a.1, b.1, a.0)]
+}
+
 /// The point with barycentric coordinates (1 - b1 - b2, b1, b2), and a bound on the error of each of
-/// its coordinates: gamma(7) times the sum of the absolute products (Pharr et al., section 6.8.5).
+/// its coordinates: gamma(7) times the sum of the absolute products (Pharr et al., section 6.8.5), and
+/// two roundings more for moving it (see `offset_origin`).
 #[inline]
 #[must_use]
 pub fn point(v: [Vec3; 3], b1: f32, b2: f32) -> (Vec3, Vec3) {
     let b0 = 1.0 - b1 - b2;
     let (a, b, c) = (v[0] * b0, v[1] * b1, v[2] * b2);
-    (a + b + c, (a.abs() + b.abs() + c.abs()) * gamma(7))
+    (a + b + c, (a.abs() + b.abs() + c.abs()) * gamma(9))
 }
 
 /// Unit normal of the counter-clockwise triangle, computed in `f64` (thin triangles keep their

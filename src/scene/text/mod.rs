@@ -1,1 +1,121 @@
 //! The text form of a scene: TOML, and the same model as JSON.
+//!
+//! In: text, which somebody else has read from a file. Out: a validated [`Scene`] with notes, or one
+//! [`TextError`] that says where, what was found, what was expected and what may have been meant. The
+//! other way: the canonical form of a scene. Invariant: `parse(write(scene)) == scene`, bit for bit.
+//!
+//! A file is marked by the key `epsilux = 1` at its top. Tables read on their way in pass `model`
+//! (serde), `expand` (constructors) and [`super::validate`]; a place found wrong in any of them is
+//! looked up again in the text by `place`.
+
+mod error;
+mod expand;
+mod model;
+mod names;
+mod place;
+mod shapes;
+mod up;
+mod value;
+
+pub use error::{TextError, TextErrorKind};
+pub(super) use expand::look_along;
+
+use error::Fault;
+use place::Place;
+
+use super::{Note, Scene, validate};
+
+/// The two ways to write the same tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Syntax {
+    /// For people.
+    Toml,
+    /// For programs.
+    Json,
+}
+
+/// The version of the form, and the value of its key `epsilux`.
+pub const VERSION: u32 = 1;
+
+/// Reads a scene in either syntax: JSON where the first character is `{`, else TOML.
+///
+/// # Errors
+/// The first mistake in the text.
+pub fn parse(text: &str) -> Result<(Scene, Vec<Note>), TextError> {
+    let text_start = text.trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n']);
+    if text_start.starts_with('{') { parse_json(text) } else { parse_toml(text) }
+}
+
+/// Reads a scene in TOML.
+///
+/// # Errors
+/// The first mistake in the text.
+pub fn parse_toml(text: &str) -> Result<(Scene, Vec<Note>), TextError> {
+    let document = toml::from_str(text).map_err(|e| {
+        let head = toml::from_str::<Head<toml::Value>>(text).ok();
+        let version = head.map(|h| h.epsilux.and_then(|v| v.as_integer()));
+        wrong_version(version, text, Syntax::Toml).unwrap_or_else(|| error::from_toml(text, &e))
+    })?;
+    finish(document, text, Syntax::Toml)
+}
+
+/// Reads a scene in JSON.
+///
+/// # Errors
+/// The first mistake in the text.
+pub fn parse_json(text: &str) -> Result<(Scene, Vec<Note>), TextError> {
+    let document = serde_json::from_str(text).map_err(|e| {
+        let head = serde_json::from_str::<Head<serde_json::Value>>(text).ok();
+        let version = head.map(|h| h.epsilux.and_then(|v| v.as_i64()));
+        wrong_version(version, text, Syntax::Json).unwrap_or_else(|| error::from_json(text, &e))
+    })?;
+    finish(document, text, Syntax::Json)
+}
+
+/// The mark alone, read from files that are not scenes of this version.
+#[derive(serde::Deserialize)]
+struct Head<V> {
+    epsilux: Option<V>,
+}
+
+/// An error where the text is well formed (`Some`) but not marked as a scene of this version.
+fn wrong_version(found: Option<Option<i64>>, text: &str, syntax: Syntax) -> Option<TextError> {
+    let message = match found? {
+        Some(version) if version == i64::from(VERSION) => return None,
+        Some(version) => {
+            format!("the scene is of version {version} of the form, this program reads {VERSION}")
+        }
+        None => "the key `epsilux = 1` that marks a scene is missing at the top".to_owned(),
+    };
+    Some(Fault::new(TextErrorKind::Version, Place::top("epsilux"), message).locate(text, syntax))
+}
+
+fn finish(document: model::Document, text: &str, syntax: Syntax) -> Result<(Scene, Vec<Note>), TextError> {
+    let version = i64::from(document.epsilux);
+    if let Some(error) = wrong_version(Some(Some(version)), text, syntax) {
+        return Err(error);
+    }
+    let (mut scene, origins) = expand::expand(document).map_err(|fault| fault.locate(text, syntax))?;
+    match validate(&mut scene) {
+        Ok(mut notes) => {
+            for note in &mut notes {
+                note.place = origins.find(&note.place).to_string();
+            }
+            Ok((scene, notes))
+        }
+        Err(e) => Err(Fault::value(origins.find(&e.place), e.message).locate(text, syntax)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hexroom_parses() {
+        let (scene, notes) =
+            parse(include_str!("../../../scenes/hexroom.toml")).unwrap_or_else(|e| panic!("{e}"));
+        assert!(notes.is_empty());
+        assert_eq!(scene.objects.len(), 8 + 8);
+    }
+}

@@ -1,0 +1,48 @@
+//! What a file may ask for in all: every reader charges before it allocates.
+
+use super::ReadOptions;
+use super::error::Fault;
+
+/// What is left of the limits in [`ReadOptions`] while one file is read.
+pub(crate) struct Budget {
+    bytes: u64,
+    triangles: u64,
+    limits: ReadOptions,
+}
+
+impl Budget {
+    /// The whole of `limits`.
+    pub(crate) fn new(limits: &ReadOptions) -> Self {
+        Self { bytes: limits.max_bytes, triangles: limits.max_triangles, limits: *limits }
+    }
+
+    /// Takes `count * size` bytes, or refuses.
+    pub(crate) fn charge_bytes(&mut self, count: u64, size: u64, place: &str) -> Result<(), Fault> {
+        match count.checked_mul(size).and_then(|bytes| self.bytes.checked_sub(bytes)) {
+            Some(left) => {
+                self.bytes = left;
+                Ok(())
+            }
+            None => Err(Fault::Unsupported {
+                place: place.into(),
+                feature: format!("a file that needs more than {} bytes", self.limits.max_bytes),
+                help: "raise the limit if the file is trusted".into(),
+            }),
+        }
+    }
+
+    /// Takes `count` triangles, or refuses.
+    pub(crate) fn charge_triangles(&mut self, count: u64, place: &str) -> Result<(), Fault> {
+        match self.triangles.checked_sub(count) {
+            Some(left) => {
+                self.triangles = left;
+                Ok(())
+            }
+            None => Err(Fault::Unsupported {
+                place: place.into(),
+                feature: format!("a file of more than {} triangles", self.limits.max_triangles),
+                help: "raise the limit if the file is trusted".into(),
+            }),
+        }
+    }
+}

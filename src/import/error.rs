@@ -1,0 +1,76 @@
+//! Why a file could not be read: the file system, an invalid file, or an unsupported feature.
+
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be read. Each variant is somebody else's turn: the caller's (`File`), the
+/// author's of the file (`Invalid`), or ours (`Unsupported`).
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ImportError {
+    /// The file system has no such file, or does not let us read it.
+    #[error("{}: {reason}", path.display())]
+    File {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// What stood in the way, as a clause.
+        reason: String,
+    },
+    /// The file contradicts its format.
+    #[error("{}: {place}: found {found}, expected {expected}", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// Path inside the file, such as `accessors[3].bufferView`, or a line and column.
+        place: String,
+        /// What is there.
+        found: String,
+        /// What the format asks for.
+        expected: String,
+    },
+    /// The file is well formed and needs something that is not implemented, or allowed by the limits.
+    #[error("{}: {place}: {feature} is not supported; {help}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// Path inside the file.
+        place: String,
+        /// What it needs.
+        feature: String,
+        /// What the user can do about it.
+        help: String,
+    },
+}
+
+/// An [`ImportError`] that does not know its file yet: what the readers below `read` return.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// Becomes [`ImportError::File`]; the path may be another file than the one that named it.
+    File { path: PathBuf, reason: String },
+    /// Becomes [`ImportError::Invalid`].
+    Invalid { place: String, found: String, expected: String },
+    /// Becomes [`ImportError::Unsupported`].
+    Unsupported { place: String, feature: String, help: String },
+}
+
+impl Fault {
+    /// The file contradicts its format.
+    pub(crate) fn invalid(
+        place: impl Into<String>,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Invalid { place: place.into(), found: found.into(), expected: expected.into() }
+    }
+
+    /// Names the file.
+    pub(crate) fn at(self, file: &Path) -> ImportError {
+        match self {
+            Self::File { path, reason } => ImportError::File { path, reason },
+            Self::Invalid { place, found, expected } => {
+                ImportError::Invalid { path: file.into(), place, found, expected }
+            }
+            Self::Unsupported { place, feature, help } => {
+                ImportError::Unsupported { path: file.into(), place, feature, help }
+            }
+        }
+    }
+}

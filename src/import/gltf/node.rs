@@ -1,0 +1,281 @@
+//! The node graph becomes objects, lights and cameras in world space.
+//!
+//! The graph is checked to be a forest first, and then walked with a stack of our own: chains of any
+//! length are fine. Transforms are multiplied in 64 bits.
+
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use gltf::json;
+use json::validation::Checked;
+
+use super::super::ReadOptions;
+use super::super::error::Fault;
+use super::super::names::Names;
+use super::super::notes::Notes;
+use super::accessor::{Reader, get};
+use super::document::Document;
+use super::light::Lights;
+use super::mesh::Meshes;
+use super::{material, sphere};
+use crate::scene::{Camera, FovAxis, Material, MaterialId, NoteEffect, Object, Projection, Scene, Shape};
+
+/// Builds the scene that `doc` describes.
+pub(super) fn build(
+    doc: &Document,
+    reader: Reader<'_>,
+    options: &ReadOptions,
+    notes: &mut Notes,
+) -> Result<Scene, Fault> {
+    check_forest(doc)?;
+    let mut names = Names::default();
+    let materials = (0..doc.materials.len())
+        .map(|i| {
+            let name = doc.materials[i].name.as_deref().filter(|n| !n.is_empty());
+            let name = names.unique(&name.map_or_else(|| format!("material {i}"), Into::into));
+            Material { name, kind: material::convert(doc, i, notes) }
+        })
+        .collect();
+    let mut builder = Builder {
+        doc,
+        reader,
+        notes,
+        lights: Lights::new(options.light_units, doc.from_blender()),
+        meshes: Meshes::default(),
+        default_material: None,
+        material_names: names,
+        camera_names: Names::default(),
+        scene: Scene { title: doc.title.clone(), materials, ..Scene::default() },
+    };
+    let mut stack: Vec<(usize, DAffine3)> =
+        doc.roots.iter().rev().map(|&r| (r, DAffine3::IDENTITY)).collect();
+    while let Some((index, parent)) = stack.pop() {
+        let node = &doc.nodes[index];
+        let place = format!("nodes[{index}]");
+        let world = parent * local_transform(node, &place)?;
+        if !world.is_finite() {
+            return Err(Fault::invalid(place, "a transform that is not finite", "finite numbers"));
+        }
+        builder.node(index, node, world, &place)?;
+        stack.extend(node.children.iter().flatten().rev().map(|c| (c.value(), world)));
+    }
+    let meshes = builder.meshes.list;
+    Ok(Scene { meshes, ..builder.scene })
+}
+
+/// Every node has at most one parent, the scene's roots have none, and nothing goes round in circles.
+fn check_forest(doc: &Document) -> Result<(), Fault> {
+    let nodes = &doc.nodes;
+    let mut parent: Vec<Option<usize>> = vec![None; nodes.len()];
+    for (i, node) in nodes.iter().enumerate() {
+        for (k, child) in node.children.iter().flatten().enumerate() {
+            let place = format!("nodes[{i}].children[{k}]");
+            get(nodes, child.value(), &place)?;
+            if let Some(first) = parent[child.value()].replace(i) {
+                let found = format!("node {}, a child of node {first} already", child.value());
+                return Err(Fault::invalid(place, found, "each node to have one parent at most"));
+            }
+        }
+    }
+    let mut is_root = vec![false; nodes.len()];
+    for (k, &root) in doc.roots.iter().enumerate() {
+        let place = format!("scene.nodes[{k}]");
+        get(nodes, root, &place)?;
+        if parent[root].is_some() || std::mem::replace(&mut is_root[root], true) {
+            let found = format!("node {root}, which is a child or listed twice");
+            return Err(Fault::invalid(place, found, "each root once, and nobody's child"));
+        }
+    }
+    let mut stack: Vec<usize> = (0..nodes.len()).filter(|&i| parent[i].is_none()).collect();
+    let mut is_reached = vec![false; nodes.len()];
+    while let Some(i) = stack.pop() {
+        is_reached[i] = true;
+        stack.extend(nodes[i].children.iter().flatten().map(|c| c.value()));
+    }
+    match is_reached.iter().position(|&r| !r) {
+        None => Ok(()),
+        Some(i) => Err(Fault::invalid(format!("nodes[{i}].children"), "a circle of nodes", "a tree")),
+    }
+}
+
+/// Own space of `node` to that of its parent.
+fn local_transform(node: &json::Node, place: &str) -> Result<DAffine3, Fault> {
+    let key = |key: &str| format!("{place}.{key}");
+    let finite = |values: &[f32], name: &str| {
+        if values.iter().all(|v| v.is_finite()) {
+            Ok(())
+        } else {
+            Err(Fault::invalid(key(name), format!("{values:?}"), "finite numbers"))
+        }
+    };
+    if let Some(matrix) = node.matrix {
+        finite(&matrix, "matrix")?;
+        let m = DMat4::from_cols_array(&matrix.map(f64::from));
+        let row = m.row(3);
+        if (row - glam::DVec4::W).abs().max_element() > 1e-5 {
+            return Err(Fault::invalid(key("matrix"), format!("a last row of {row}"), "0, 0, 0, 1"));
+        }
+        return Ok(DAffine3 {
+            matrix3: DMat3::from_cols(m.x_axis.truncate(), m.y_axis.truncate(), m.z_axis.truncate()),
+            translation: m.w_axis.truncate(),
+        });
+    }
+    let translation = node.translation.unwrap_or_default();
+    let rotation = node.rotation.unwrap_or_default().0;
+    let scale = node.scale.unwrap_or([1.0; 3]);
+    finite(&translation, "translation")?;
+    finite(&rotation, "rotation")?;
+    finite(&scale, "scale")?;
+    let vec = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    let rotation = DQuat::from_array(rotation.map(f64::from));
+    if rotation.length() < 1e-6 {
+        return Err(Fault::invalid(key("rotation"), "a quaternion of length zero", "a unit quaternion"));
+    }
+    Ok(DAffine3::from_scale_rotation_translation(vec(scale), rotation.normalize(), vec(translation)))
+}
+
+struct Builder<'d> {
+    doc: &'d Document,
+    reader: Reader<'d>,
+    notes: &'d mut Notes,
+    lights: Lights,
+    meshes: Meshes,
+    default_material: Option<MaterialId>,
+    material_names: Names,
+    camera_names: Names,
+    scene: Scene,
+}
+
+impl Builder<'_> {
+    /// Adds what stands at one node.
+    fn node(&mut self, index: usize, node: &json::Node, world: DAffine3, place: &str) -> Result<(), Fault> {
+        let name = node.name.as_deref().filter(|n| !n.is_empty());
+        if node.skin.is_some() {
+            let message = "skins are not applied: the mesh is shown as modelled";
+            self.notes.add("skin-ignored", NoteEffect::Differs, format!("{place}.skin"), message);
+        }
+        if let Some(camera) = node.camera {
+            let camera_place = format!("{place}.camera");
+            let source = get(&self.doc.cameras, camera.value(), &camera_place)?;
+            let name = name.or(source.name.as_deref()).unwrap_or("camera");
+            self.camera(source, name, world, &format!("cameras[{}]", camera.value()));
+        }
+        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        if let Some(light) = light {
+            let i = light.light.value();
+            let source = get(&self.doc.lights, i, &format!("{place}.extensions.KHR_lights_punctual.light"))?;
+            let name = name.or(source.name.as_deref()).unwrap_or("light").to_owned();
+            let light_place = format!("extensions.KHR_lights_punctual.lights[{i}]");
+            let light = self.lights.convert(source, name, world, &light_place, self.notes)?;
+            self.scene.lights.push(light);
+        }
+        if let Some(mesh) = node.mesh {
+            self.mesh(mesh.value(), node, name, world, place)?;
+        } else if node.camera.is_none() && light.is_none() {
+            self.empty(index, node, place);
+        }
+        Ok(())
+    }
+
+    /// A node that shows nothing: perhaps an area light, which Blender's exporter drops.
+    fn empty(&mut self, index: usize, node: &json::Node, place: &str) {
+        let is_leaf = node.children.iter().all(Vec::is_empty);
+        let is_plain = node.extensions.is_none() && node.extras.is_none();
+        if self.doc.from_blender() && is_leaf && is_plain && !self.doc.joints.contains(&index) {
+            let message = "an empty node: if it was an area light in Blender, its light is not in the file";
+            self.notes.add("area-light-lost", NoteEffect::Missing, place, message);
+        }
+    }
+
+    fn mesh(
+        &mut self,
+        index: usize,
+        node: &json::Node,
+        name: Option<&str>,
+        world: DAffine3,
+        place: &str,
+    ) -> Result<(), Fault> {
+        let mesh = get(&self.doc.meshes, index, &format!("{place}.mesh"))?;
+        let mesh_name = mesh.name.as_deref().filter(|n| !n.is_empty());
+        let mesh_name = mesh_name.map_or_else(|| format!("mesh {index}"), Into::into);
+        let name = name.unwrap_or(&mesh_name).to_owned();
+        if world.matrix3.determinant() == 0.0 {
+            let message = "an object that its transform flattens is left out";
+            self.notes.add("object-flattened", NoteEffect::Missing, place, message);
+            return Ok(());
+        }
+        if let Some(radius) = sphere::radius(node, place, self.notes) {
+            if let Some(transform) = sphere::placement(world) {
+                let material = mesh.primitives.first().and_then(|p| p.material);
+                let material =
+                    self.material(material.map(|m| m.value()), &format!("meshes[{index}].primitives[0]"))?;
+                self.object(name, Shape::Sphere { radius }, material, transform);
+                return Ok(());
+            }
+            let message =
+                "a sphere under a transform that is no rotation and uniform scale: the mesh is kept";
+            self.notes.add("sphere-ignored", NoteEffect::Differs, place, message);
+        }
+        for (k, primitive) in mesh.primitives.iter().enumerate() {
+            let at = format!("meshes[{index}].primitives[{k}]");
+            let part =
+                if mesh.primitives.len() > 1 { format!("{mesh_name}[{k}]") } else { mesh_name.clone() };
+            let id = self.meshes.get(primitive, &part, &at, &mut self.reader, self.notes)?;
+            if let Some(id) = id {
+                let material = self.material(primitive.material.map(|m| m.value()), &at)?;
+                self.object(name.clone(), Shape::Mesh(id), material, world);
+            }
+        }
+        Ok(())
+    }
+
+    fn object(&mut self, name: String, shape: Shape, material: MaterialId, transform: DAffine3) {
+        self.scene.objects.push(Object { name, shape, material, transform, visible_to_camera: true });
+    }
+
+    /// The material of a primitive at `place`; glTF's default where it names none.
+    fn material(&mut self, index: Option<usize>, place: &str) -> Result<MaterialId, Fault> {
+        if let Some(index) = index {
+            get(&self.doc.materials, index, &format!("{place}.material"))?;
+            return Ok(MaterialId(index as u32));
+        }
+        if self.doc.from_blender() {
+            let message = "no material: shown as white metal, glTF's default, though Blender shows it grey";
+            self.notes.add("material-lost", NoteEffect::Differs, place, message);
+        }
+        if let Some(id) = self.default_material {
+            return Ok(id);
+        }
+        let id = MaterialId(self.scene.materials.len() as u32);
+        let name = self.material_names.unique("default");
+        self.scene.materials.push(Material { name, kind: material::default_kind() });
+        self.default_material = Some(id);
+        Ok(id)
+    }
+
+    fn camera(&mut self, source: &json::Camera, name: &str, transform: DAffine3, place: &str) {
+        let perspective = source.perspective.as_ref();
+        let orthographic = source.orthographic.as_ref();
+        let (projection, aspect) = match (source.type_, perspective, orthographic) {
+            (Checked::Valid(json::camera::Type::Perspective), Some(p), _) => {
+                let fov = f64::from(p.yfov);
+                let is_good = fov > 0.0 && fov < std::f64::consts::PI;
+                let projection = Projection::Perspective { fov, axis: FovAxis::Vertical };
+                (is_good.then_some(projection), p.aspect_ratio.map(f64::from))
+            }
+            (Checked::Valid(json::camera::Type::Orthographic), _, Some(o)) => {
+                let (x, y) = (f64::from(o.xmag).abs(), f64::from(o.ymag).abs());
+                let is_good = x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite();
+                let projection = Projection::Orthographic { extent: 2.0 * y, axis: FovAxis::Vertical };
+                (is_good.then_some(projection), Some(x / y))
+            }
+            _ => (None, None),
+        };
+        let Some(projection) = projection else {
+            let message = "a camera without a usable projection is left out";
+            self.notes.add("camera-ignored", NoteEffect::Missing, place, message);
+            return;
+        };
+        let name = self.camera_names.unique(name);
+        let aspect = aspect.filter(|a| a.is_finite() && *a > 0.0);
+        self.scene.cameras.push(Camera { name, transform, projection, shift: [0.0; 2], lens: None, aspect });
+    }
+}

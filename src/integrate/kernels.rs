@@ -1,0 +1,27 @@
+//! `li` compiled for a few sets of effects.
+
+use super::li::{Counters, li};
+use crate::color::Rgb;
+use crate::prepare::{KERNELS, KernelSet, Plan, Prepared};
+use crate::sampling::Address;
+use crate::shape::Ray;
+
+/// A compiled transport loop.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernel {
+    /// Its name and what it simulates.
+    pub set: KernelSet,
+    /// Radiance along a camera ray.
+    pub li: fn(&Prepared, Address, Ray, &mut Counters) -> Rgb,
+}
+
+/// The kernel that a plan names.
+#[must_use]
+pub fn kernel(plan: &Plan) -> Kernel {
+    let compiled: [fn(&Prepared, Address, Ray, &mut Counters) -> Rgb; KERNELS.len()] = [
+        li::<{ KERNELS[0].simulates.0 }>,
+        li::<{ KERNELS[1].simulates.0 }>,
+        li::<{ KERNELS[2].simulates.0 }>,
+    ];
+    Kernel { set: plan.kernel(), li: compiled[plan.kernel] }
+}

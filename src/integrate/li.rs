@@ -1,0 +1,226 @@
+//! Radiance along a camera ray: unidirectional path tracing with next-event estimation.
+//!
+//! At each vertex one light is sampled, and one direction; both ways of finding a light are weighted
+//! against each other (Veach and Guibas, SIGGRAPH 1995). Nothing is clamped and no depth is cut
+//! unless asked for: paths end by roulette. The walk is a loop over [`step`], so that paths could as
+//! well be advanced side by side.
+//!
+//! `FX` is the set of effects that a kernel simulates; what is not in it is not compiled.
+
+use glam::Vec3;
+
+use super::direct::{direct_light, mis_weight};
+use super::{roulette, scatter};
+use crate::accel::{PrimitiveId, RayKind};
+use crate::bsdf::Transport;
+use crate::color::Rgb;
+use crate::light::LightContext;
+use crate::prepare::{Effect, Effects, Prepared};
+use crate::sampling::{Address, Purpose};
+use crate::shape::{Ray, offset_origin};
+
+/// Scattering events after which a path is cut although nothing asks for it. Only paths that lose
+/// nothing at all get here (a camera in a closed box of perfect mirrors); they are counted.
+const FAR_CAP: u32 = 10_000;
+
+/// What a path did, for reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Rays traced, shadow rays included.
+    pub rays: u64,
+    /// Paths cut by the far safety cap.
+    pub capped: u64,
+}
+
+/// Where a direction was sampled, and how probable it was: what the next emitter's weight depends on.
+struct Sampled {
+    context: LightContext,
+    pdf: f32,
+}
+
+/// A path on its way.
+struct PathState {
+    ray: Ray,
+    /// The primitive that the ray leaves.
+    from: PrimitiveId,
+    /// Scattering events so far.
+    depth: u32,
+    /// Throughput.
+    beta: Rgb,
+    /// What the path has gathered.
+    radiance: Rgb,
+    /// The last scattering event where it had a density; `None` after the camera and after delta lobes.
+    sampled: Option<Sampled>,
+    /// Material whose interior the path is in.
+    medium: Option<u32>,
+    /// Product of eta^2: what refractions have taken from `beta` and will give back.
+    eta_scale: f32,
+}
+
+enum Next {
+    Continue,
+    Done,
+}
+
+/// Radiance that arrives along `ray` from a scene, W sr^-1 m^-2.
+pub(super) fn li<const FX: u32>(
+    scene: &Prepared,
+    address: Address,
+    ray: Ray,
+    counters: &mut Counters,
+) -> Rgb {
+    let mut path = PathState {
+        ray,
+        from: PrimitiveId::NONE,
+        depth: 0,
+        beta: Rgb::WHITE,
+        radiance: Rgb::BLACK,
+        sampled: None,
+        medium: None,
+        eta_scale: 1.0,
+    };
+    while let Next::Continue = step::<FX>(scene, &address, &mut path, counters) {}
+    path.radiance
+}
+
+/// From one vertex to the next.
+#[inline(always)]
+fn step<const FX: u32>(
+    scene: &Prepared,
+    address: &Address,
+    path: &mut PathState,
+    counters: &mut Counters,
+) -> Next {
+    let fx = const { Effects(FX) };
+    let kind = if path.depth == 0 { RayKind::Camera } else { RayKind::Other };
+    counters.rays += 1;
+    let hit = scene.accel.closest(&path.ray, path.from, kind);
+    let t = hit.map_or(f32::INFINITY, |h| h.t);
+
+    // Free lights on the way: they block nothing, so each is found where it stands.
+    if fx.has(Effect::FreeLights) {
+        free_lights::<FX>(scene, path, t);
+    }
+    // Absorption on the way.
+    if fx.has(Effect::Absorption)
+        && let Some(medium) = path.medium
+    {
+        path.beta *= interior(scene, medium, t);
+    }
+    let Some(hit) = hit else {
+        // Light from infinitely far away.
+        if fx.has(Effect::Environment) {
+            distant_lights(scene, path);
+        }
+        return Next::Done;
+    };
+    let mut surface = scene.surface(&path.ray, &hit, fx.has(Effect::SmoothNormals));
+    let wo = -path.ray.d;
+    if fx.has(Effect::SmoothNormals) && surface.ns.dot(wo) * surface.ng.dot(wo) <= 0.0 {
+        // Interpolated normals can face away from a visible surface.
+        surface.ns = surface.ng;
+    }
+
+    // Emission met by chance: full weight after the camera and delta lobes, a share otherwise.
+    if fx.has(Effect::AreaLights)
+        && let Some(light) = scene.lights.of_surface(surface.id)
+    {
+        let le = scene.lights.emitted(light, wo, surface.ng);
+        let weight = match &path.sampled {
+            None => 1.0,
+            Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
+        };
+        path.radiance += path.beta * le * weight;
+    }
+    if scene.max_depth.is_some_and(|cap| path.depth >= cap) {
+        return Next::Done;
+    }
+    if path.depth >= FAR_CAP {
+        counters.capped += 1;
+        return Next::Done;
+    }
+
+    // Direct light: one light, by power.
+    let material = scene.material_of(surface.object);
+    let bsdf = &scene.materials[material as usize].bsdf;
+    let context = LightContext {
+        p: surface.p,
+        p_err: surface.p_err,
+        ng: surface.ng,
+        ns: surface.ns,
+        wo,
+        transmits: bsdf.transmits(),
+    };
+    let frame = scatter::Frame::new(&surface, wo);
+    if !bsdf.is_delta() {
+        let u = address.block(path.depth, Purpose::Light, 0, 0);
+        let ld = direct_light::<FX>(scene, bsdf, &frame, &context, surface.id, path.medium, u, counters);
+        path.radiance += path.beta * ld;
+    }
+
+    // Continue the path in a direction chosen by the BSDF.
+    let u = address.block(path.depth, Purpose::Bsdf, 0, 0);
+    let Some((wi, sample)) = scatter::sample::<FX>(bsdf, &frame, [u[0], u[1], u[2]], Transport::Radiance)
+    else {
+        return Next::Done;
+    };
+    path.beta *= sample.weight;
+    path.eta_scale *= sample.eta * sample.eta;
+    if fx.has(Effect::Absorption) && sample.eta != 1.0 {
+        let enters = wi.dot(surface.ng) < 0.0;
+        path.medium = (enters && scene.materials[material as usize].interior.is_some()).then_some(material);
+    }
+    path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
+    path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
+    path.from = surface.id;
+    path.depth += 1;
+
+    // Roulette on throughput, corrected for what refraction will give back.
+    match roulette::survive(path.beta, path.eta_scale, path.depth, u[3]) {
+        Some(scale) => path.beta *= scale,
+        None => return Next::Done,
+    }
+    Next::Continue
+}
+
+/// Share of light that the interior of a material leaves after `length` metres.
+pub(super) fn interior(scene: &Prepared, material: u32, length: f32) -> Rgb {
+    scene.materials[material as usize].interior.as_ref().map_or(Rgb::WHITE, |i| i.transmittance(length))
+}
+
+#[inline(never)]
+fn free_lights<const FX: u32>(scene: &Prepared, path: &mut PathState, t_max: f32) {
+    let camera = path.depth == 0;
+    let mut sum = Rgb::BLACK;
+    scene.lights.free_hits(&path.ray, t_max, |hit| {
+        if camera && !hit.visible_to_camera {
+            return;
+        }
+        let weight = match &path.sampled {
+            None => 1.0,
+            Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, hit.light, hit.p, hit.n)),
+        };
+        let mut beta = path.beta;
+        if const { Effects(FX).has(Effect::Absorption) }
+            && let Some(medium) = path.medium
+        {
+            beta *= interior(scene, medium, Vec3::distance(hit.p, path.ray.o));
+        }
+        sum += beta * hit.radiance * weight;
+    });
+    path.radiance += sum;
+}
+
+fn distant_lights(scene: &Prepared, path: &mut PathState) {
+    let camera = path.depth == 0;
+    let mut sum = Rgb::BLACK;
+    let context = path.sampled.as_ref().map(|s| &s.context);
+    scene.lights.distant(path.ray.d, context, |radiance, visible, pdf| {
+        if camera && (!visible || scene.transparent) {
+            return;
+        }
+        let weight = path.sampled.as_ref().map_or(1.0, |s| mis_weight(s.pdf, pdf));
+        sum += path.beta * radiance * weight;
+    });
+    path.radiance += sum;
+}

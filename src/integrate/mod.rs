@@ -1,0 +1,18 @@
+//! Light transport.
+//!
+//! In: a [`crate::prepare::Prepared`] scene. Out: a [`crate::film::Film`]. `li` is the path from the
+//! camera to roulette and reads on its own; `render` owns tiles, threads and progress; `kernels` holds
+//! `li` compiled for a few sets of effects; `naive` is the slow, obvious oracle of the tests.
+
+mod direct;
+mod kernels;
+mod li;
+pub mod naive;
+
+mod render;
+mod roulette;
+mod scatter;
+
+pub use kernels::{Kernel, kernel};
+pub use li::Counters;
+pub use render::{BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, render, replay};

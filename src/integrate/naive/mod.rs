@@ -1,0 +1,179 @@
+//! The reference integrator: slow, obvious, and independent of the fast one.
+//!
+//! In: a [`Scene`] that [`crate::scene::validate`] has passed. Out: an [`Image`], or the radiance along
+//! single rays with its standard error. It is brute force in f64: every triangle is tried, directions
+//! come from the BSDF alone, and there is no multiple importance sampling and no roulette. Nothing but
+//! the scene is shared with the fast integrator, so that an error in one is a difference between both.
+//!
+//! # The contract that both integrators implement
+//!
+//! *Depth* counts scattering events. Emission met after k events counts if k <= `max_depth` (0 is
+//! emission only). A light that cannot be met by chance is added at a vertex, as one more event, if the
+//! depth there is below `max_depth`. Without `max_depth` this integrator stops after
+//! [`DEPTH_CAP`] events; nothing else ends a path that still carries light.
+//!
+//! *Camera.* Pixel (x, y), row 0 on top, uniform in the pixel (box filter): sx = (x+u)/w - 1/2,
+//! sy = 1/2 - (y+v)/h. Perspective over the horizontal side, t = tan(fov/2): direction
+//! (2t (sx + shift_x), 2t (sy h/w + shift_y), -1); over the vertical side
+//! (2t (sx w/h + shift_x), 2t (sy + shift_y), -1). Orthographic: parallel to -Z from the same plane
+//! scaled by the extent. Lens: origin uniform on a disk, in focus at `focus_distance` along -Z.
+//!
+//! *Geometry.* The front of a triangle is where it winds counter-clockwise in its own space; a mirroring
+//! transform keeps it. Shading normals are interpolated and go with the inverse transpose; where
+//! (ns.wo)(ng.wo) <= 0 the geometric normal takes over. Cosines are those of ns. A direction is a
+//! reflection only if (ng.wi)(ng.wo) > 0 and (ns.wi)(ns.wo) > 0, a transmission only if both are
+//! negative; a sampled direction that disagrees ends the path. A path leaves its triangle for good; a
+//! sphere is met again from inside only.
+//!
+//! *Emission*: [`crate::scene::MaterialKind::emission`]; a `Light` reflects nothing.
+//!
+//! *Media.* A path starts in none. Refraction from the front to the back of a surface enters its
+//! absorption, refraction to the front leaves into none. Each segment, shadow rays included, multiplies
+//! by color^(length/distance).
+//!
+//! *Lights* that are not surfaces never block. A segment gathers each light with an extent whose front
+//! it crosses; the sun's disk and the environment are seen where nothing is hit. Camera rays (depth 0)
+//! see neither lights, environment nor objects whose `visible_to_camera` is false; all other rays do.
+//!
+//! Materials: [`material`] and [`principled`] state theirs.
+
+mod albedo;
+mod camera;
+mod fresnel;
+mod geometry;
+mod light;
+mod material;
+mod medium;
+mod microfacet;
+mod path;
+mod principled;
+mod quadrature;
+mod rng;
+
+pub use path::{DEPTH_CAP, Estimate, Ray, Tracer};
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::color::Rgb;
+use crate::film::Image;
+use crate::scene::{Camera, Scene};
+use path::Moments;
+use rng::Rng;
+
+/// What to render.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceOptions {
+    /// Index into [`Scene::cameras`].
+    pub camera: usize,
+    /// Width and height of the whole picture, pixels.
+    pub size: [u32; 2],
+    /// The part to render: left, top, width, height, pixels; all of it where absent. Its pixels are
+    /// those of the whole picture.
+    pub crop: Option<[u32; 4]>,
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Another seed gives an independent picture.
+    pub seed: u64,
+    /// Cap on scattering events; [`DEPTH_CAP`] where absent.
+    pub max_depth: Option<u32>,
+    /// Worker threads, which never change the result; 0 is one for each CPU.
+    pub threads: usize,
+}
+
+/// Why nothing was rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum ReferenceError {
+    /// The scene has no such camera.
+    #[error("the scene has {count} cameras, and number {camera} was asked for")]
+    NoCamera {
+        /// The index asked for.
+        camera: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// The crop is not inside the picture.
+    #[error("the crop {crop:?} (left, top, width, height) is not inside a picture of {size:?} pixels")]
+    Crop {
+        /// The crop asked for.
+        crop: [u32; 4],
+        /// Width and height of the whole picture.
+        size: [u32; 2],
+    },
+    /// The worker threads could not be started.
+    #[error("cannot start worker threads")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+/// Renders the scene.
+///
+/// `cancelled` is asked before each row; rows that were then not begun stay black with count 0.
+/// `progress` hears the share of rows done, (0, 1], from any thread. The variance is that of each
+/// pixel's mean, zero where there are fewer than two samples.
+///
+/// # Errors
+/// See [`ReferenceError`].
+pub fn reference(
+    scene: &Scene,
+    options: &ReferenceOptions,
+    cancelled: &(dyn Fn() -> bool + Sync),
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Image, ReferenceError> {
+    let count = scene.cameras.len();
+    let camera = scene
+        .cameras
+        .get(options.camera)
+        .ok_or(ReferenceError::NoCamera { camera: options.camera, count })?;
+    let [full_w, full_h] = options.size;
+    let crop = options.crop.unwrap_or([0, 0, full_w, full_h]);
+    let [left, top, width, height] = crop;
+    let inside =
+        |start: u32, length: u32, full: u32| start.checked_add(length).is_some_and(|end| end <= full);
+    if !inside(left, width, full_w) || !inside(top, height, full_h) {
+        return Err(ReferenceError::Crop { crop, size: options.size });
+    }
+
+    let tracer = Tracer::new(scene);
+    let done = AtomicU32::new(0);
+    let row = |y: u32| -> Vec<Moments> {
+        if cancelled() {
+            return vec![Moments::default(); width as usize];
+        }
+        let pixels = (left..left + width).map(|x| pixel(&tracer, camera, options, [x, top + y])).collect();
+        progress(f64::from(done.fetch_add(1, Ordering::Relaxed) + 1) / f64::from(height));
+        pixels
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build()?;
+    let rows: Vec<Vec<Moments>> = pool.install(|| (0..height).into_par_iter().map(row).collect());
+
+    let pixels: Vec<Moments> = rows.into_iter().flatten().collect();
+    let to_rgb = |v: DVec3| Rgb::from(v.as_vec3().to_array());
+    Ok(Image {
+        width,
+        height,
+        origin: [left, top],
+        full_size: options.size,
+        rgb: pixels.iter().map(|p| to_rgb(p.mean)).collect(),
+        variance: Some(pixels.iter().map(|p| to_rgb(p.variance_of_mean())).collect()),
+        count: Some(pixels.iter().map(|p| p.count as u32).collect()),
+        ..Image::default()
+    })
+}
+
+fn pixel(tracer: &Tracer, camera: &Camera, options: &ReferenceOptions, at: [u32; 2]) -> Moments {
+    let address = u64::from(at[1]) * u64::from(options.size[0]) + u64::from(at[0]);
+    let mut moments = Moments::default();
+    for sample in 0..options.spp {
+        let mut rng = Rng::new(options.seed, address, u64::from(sample));
+        let ray = camera::camera_ray(camera, options.size, at, &mut rng);
+        moments.add(tracer.radiance(ray, options.max_depth, &mut rng));
+    }
+    moments
+}
+
+/// A colour of the scene, to compute with.
+fn rgb(color: Rgb) -> DVec3 {
+    DVec3::new(f64::from(color.r), f64::from(color.g), f64::from(color.b))
+}

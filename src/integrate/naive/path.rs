@@ -1,0 +1,172 @@
+//! The path loop of the reference integrator, and the statistics of its samples.
+
+use glam::DVec3;
+
+use super::albedo::Curves;
+use super::geometry::{Geometry, Primitive};
+use super::light::Lights;
+use super::material::{Surface, Vertex};
+use super::medium::{Medium, transmittance};
+use super::rng::Rng;
+use crate::scene::Scene;
+
+/// Scattering events after which a path ends where no `max_depth` is given. This is the integrator's
+/// only bias: what is cut is at most (largest reflectance)^1000 of the light.
+pub const DEPTH_CAP: u32 = 1000;
+
+/// A ray, as a camera sends it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Metres, world space.
+    pub origin: DVec3,
+    /// Unit, world space.
+    pub direction: DVec3,
+}
+
+/// A mean over independent samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Radiance, W sr^-1 m^-2, linear Rec. 709.
+    pub mean: [f64; 3],
+    /// Standard error of `mean`, per channel.
+    pub standard_error: [f64; 3],
+    /// Samples taken.
+    pub samples: u64,
+}
+
+/// A scene, ready to be traced.
+#[derive(Debug)]
+pub struct Tracer {
+    geometry: Geometry,
+    lights: Lights,
+    surfaces: Vec<Surface>,
+}
+
+impl Ray {
+    /// A ray; the direction is normalised.
+    #[must_use]
+    pub fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self { origin, direction: direction.normalize_or_zero() }
+    }
+}
+
+impl Tracer {
+    /// Flattens a scene into world space and tabulates its materials' albedos.
+    #[must_use]
+    pub fn new(scene: &Scene) -> Self {
+        let mut curves = Curves::default();
+        Self {
+            geometry: Geometry::new(scene),
+            lights: Lights::new(scene),
+            surfaces: scene.materials.iter().map(|m| Surface::new(&m.kind, &mut curves)).collect(),
+        }
+    }
+
+    /// Radiance that arrives at the origin of `ray`, a camera ray, against its direction: the mean of
+    /// `samples` independent paths, a pure function of the arguments.
+    #[must_use]
+    pub fn estimate(&self, ray: Ray, max_depth: Option<u32>, samples: u64, seed: u64) -> Estimate {
+        let mut moments = Moments::default();
+        for sample in 0..samples {
+            moments.add(self.radiance(ray, max_depth, &mut Rng::new(seed, 0, sample)));
+        }
+        let error = moments.variance_of_mean();
+        Estimate {
+            mean: moments.mean.to_array(),
+            standard_error: error.to_array().map(f64::sqrt),
+            samples: moments.count,
+        }
+    }
+
+    /// Radiance of one path, followed from `ray` depth first.
+    pub(super) fn radiance(&self, ray: Ray, max_depth: Option<u32>, rng: &mut Rng) -> DVec3 {
+        let max_depth = max_depth.unwrap_or(DEPTH_CAP);
+        let mut radiance = DVec3::ZERO;
+        let mut beta = DVec3::ONE;
+        let mut medium: Option<Medium> = None;
+        let mut source: Option<Primitive> = None;
+        let (mut o, mut d) = (ray.origin, ray.direction);
+
+        for depth in 0..=max_depth {
+            // One segment: the lights it crosses, what lies behind everything, the surface it ends on.
+            let hit = self.geometry.closest(o, d, f64::INFINITY, source, depth == 0);
+            let length = hit.map_or(f64::INFINITY, |hit| hit.t);
+            radiance += beta * self.lights.along(o, d, length, depth == 0, medium);
+            let Some(hit) = hit else { break };
+            beta *= transmittance(medium, length);
+
+            // Emission of the surface.
+            let Some(surface) = self.surfaces.get(hit.material) else { break };
+            let vertex = Vertex::new(hit.ng, hit.ns, -d);
+            radiance += beta * surface.emitted(vertex.front);
+            if depth == max_depth {
+                break;
+            }
+
+            // Lights that no direction finds: shadow rays, from surfaces that do more than mirror.
+            for light in &self.lights.delta {
+                let Some(arrival) = light.arrive(hit.point) else { continue };
+                let f = surface.f(&vertex, arrival.wi);
+                let from = Some(hit.primitive);
+                if f != DVec3::ZERO
+                    && self.geometry.closest(hit.point, arrival.wi, arrival.distance, from, false).is_none()
+                {
+                    let within = surface.medium_beyond(&vertex, arrival.wi, medium);
+                    let cos = vertex.ns.dot(arrival.wi).abs();
+                    radiance += beta * f * cos * arrival.irradiance * transmittance(within, arrival.distance);
+                }
+            }
+
+            // A direction from the BSDF.
+            let Some(next) = surface.sample(&vertex, rng) else { break };
+            beta *= next.weight;
+            if beta == DVec3::ZERO {
+                break;
+            }
+            medium = surface.medium_beyond(&vertex, next.wi, medium);
+            source = Some(hit.primitive);
+            (o, d) = (hit.point, next.wi);
+        }
+        radiance
+    }
+}
+
+/// Mean and spread of samples (B. P. Welford, Technometrics 4(3), 1962).
+#[derive(Clone, Debug, Default)]
+pub(super) struct Moments {
+    pub(super) count: u64,
+    pub(super) mean: DVec3,
+    squares: DVec3,
+}
+
+impl Moments {
+    pub(super) fn add(&mut self, value: DVec3) {
+        self.count += 1;
+        let before = value - self.mean;
+        self.mean += before / self.count as f64;
+        self.squares += before * (value - self.mean);
+    }
+
+    /// Unbiased variance of the mean; zero below two samples.
+    pub(super) fn variance_of_mean(&self) -> DVec3 {
+        if self.count < 2 {
+            return DVec3::ZERO;
+        }
+        self.squares / (self.count - 1) as f64 / self.count as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Guards mean and variance of the mean against their definitions.
+    #[test]
+    fn moments_match_their_definitions() {
+        let values = [1000.0, 1001.0, 999.0, 1004.0];
+        let mut moments = Moments::default();
+        values.iter().for_each(|v| moments.add(DVec3::splat(*v)));
+        assert!((moments.mean.x - 1001.0).abs() < 1e-12);
+        assert!((moments.variance_of_mean().x - 14.0 / 3.0 / 4.0).abs() < 1e-12);
+    }
+}

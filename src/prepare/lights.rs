@@ -1,0 +1,175 @@
+//! Collecting lights: emissive primitives, free lights and the environment.
+
+use glam::{DVec3, Vec3};
+
+use super::geometry::Flat;
+use crate::accel::PrimitiveId;
+use crate::color::Rgb;
+use crate::light::{
+    Ellipse, Emitter, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight, from_triangles,
+};
+use crate::scene::{AreaShape, Light, LightKind, Scene, Sides, SpotFalloff};
+
+/// Everything that emits, in the order of objects, lights, environment.
+pub(super) fn collect(scene: &Scene, flat: &Flat) -> Vec<Emitter> {
+    let mut emitters = Vec::new();
+    for (object, range) in scene.objects.iter().zip(&flat.range) {
+        let emission = scene.materials[object.material.0 as usize].kind.emission();
+        if let (Some((radiance, sides)), &Some((first, count))) = (emission, range) {
+            surfaces(flat, first, count, radiance, sides == Sides::Both, &mut emitters);
+        }
+    }
+    emitters.extend(scene.lights.iter().filter_map(free));
+    if let Some(e) = &scene.environment
+        && !e.radiance.is_black()
+    {
+        emitters.push(Emitter::Environment { radiance: e.radiance, visible_to_camera: e.visible_to_camera });
+    }
+    emitters
+}
+
+/// The emissive primitives of one object; neighbouring triangles that form a rectangle become one.
+fn surfaces(
+    flat: &Flat,
+    first: u32,
+    count: u32,
+    radiance: Rgb,
+    both_sides: bool,
+    emitters: &mut Vec<Emitter>,
+) {
+    let id = |primitive: u32| PrimitiveId { instance: 0, primitive };
+    let triangles = flat.world.triangles.len() as u32;
+    if first >= triangles {
+        let (center, radius) = flat.world.spheres[(first - triangles) as usize];
+        emitters.push(Emitter::Sphere {
+            shape: SphereLight { center, radius },
+            radiance,
+            both_sides,
+            spot: None,
+            primitive: Some(id(first)),
+            visible_to_camera: true,
+        });
+        return;
+    }
+    let mut i = first;
+    while i < first + count {
+        let v = flat.world.vertices(i);
+        if i + 1 < first + count
+            && let Some(shape) = from_triangles(v, flat.world.vertices(i + 1))
+        {
+            let primitives = Some([id(i), id(i + 1)]);
+            emitters.push(Emitter::Rectangle {
+                shape,
+                radiance,
+                both_sides,
+                primitives,
+                visible_to_camera: true,
+            });
+            i += 2;
+            continue;
+        }
+        if let Some(shape) = TriangleLight::new(v) {
+            emitters.push(Emitter::Triangle { shape, radiance, both_sides, primitive: id(i) });
+        }
+        i += 1;
+    }
+}
+
+/// A light that is not a surface; `None` where it has no power or no extent to have it on.
+fn free(light: &Light) -> Option<Emitter> {
+    let m = &light.transform;
+    let position = m.translation.as_vec3();
+    let forward = -m.matrix3.z_axis.try_normalize()?;
+    let visible_to_camera = light.visible_to_camera;
+    let scale = m.matrix3.x_axis.length();
+    let ball = |intensity: Rgb, radius: f64, spot: Option<Spot>| {
+        let radius = radius * scale;
+        if radius > 0.0 {
+            let radiance = intensity / (std::f64::consts::PI * radius * radius) as f32;
+            let shape = SphereLight { center: position, radius: radius as f32 };
+            Emitter::Sphere { shape, radiance, both_sides: false, spot, primitive: None, visible_to_camera }
+        } else {
+            Emitter::Point { position, intensity, spot }
+        }
+    };
+    let emitter = match light.kind {
+        LightKind::Point { intensity, radius } => ball(intensity, radius, None),
+        LightKind::Spot { intensity, inner, outer, falloff, radius } => {
+            ball(intensity, radius, Some(spot(forward, inner, outer, falloff)))
+        }
+        LightKind::Sun { irradiance, angle } => {
+            // 1 - cos(x) = 2 sin^2(x / 2)
+            let s = libm::sin(angle / 4.0);
+            Emitter::Sun {
+                towards: (-forward).as_vec3(),
+                irradiance,
+                one_minus_cos: (2.0 * s * s) as f32,
+                visible_to_camera,
+            }
+        }
+        LightKind::Area { shape, size, radiance } => {
+            let (x, y) = (m.matrix3.x_axis * size[0], m.matrix3.y_axis * size[1]);
+            area(shape, m.translation, x, y, forward.as_vec3(), radiance, visible_to_camera)?
+        }
+    };
+    (emitter.power(1.0) > 0.0).then_some(emitter)
+}
+
+fn spot(axis: DVec3, inner: f64, outer: f64, falloff: SpotFalloff) -> Spot {
+    let cos_outer = libm::cos(outer);
+    let (cos_inner, curve) = match falloff {
+        SpotFalloff::Gltf => (libm::cos(inner), SpotCurve::Square),
+        // The ramp covers the share 1 - inner / outer of 1 - cos(outer).
+        SpotFalloff::Blender => {
+            let blend = if outer > 0.0 { 1.0 - inner / outer } else { 0.0 };
+            (cos_outer + (1.0 - cos_outer) * blend, SpotCurve::Smoothstep)
+        }
+    };
+    Spot { axis: axis.as_vec3(), curve, cos_inner: cos_inner as f32, cos_outer: cos_outer as f32 }
+}
+
+fn area(
+    shape: AreaShape,
+    center: DVec3,
+    x: DVec3,
+    y: DVec3,
+    n: Vec3,
+    radiance: Rgb,
+    visible_to_camera: bool,
+) -> Option<Emitter> {
+    match shape {
+        AreaShape::Rectangle => {
+            // Edges in the order that makes the normal -Z.
+            let corner = (center - 0.5 * x - 0.5 * y).as_vec3();
+            let shape = Rectangle::new(corner, [y.as_vec3(), x.as_vec3()])?;
+            Some(Emitter::Rectangle {
+                shape,
+                radiance,
+                both_sides: false,
+                primitives: None,
+                visible_to_camera,
+            })
+        }
+        AreaShape::Ellipse => {
+            let half_axes = [(0.5 * x).as_vec3(), (0.5 * y).as_vec3()];
+            let shape = Ellipse { center: center.as_vec3(), half_axes, n };
+            Some(Emitter::Ellipse { shape, radiance, visible_to_camera })
+        }
+    }
+}
+
+/// The magnitude of radiance that the film is made for: the brightest emitter, where light without an
+/// extent counts as seen from across the scene. At least the smallest normal number.
+pub(super) fn brightest(emitters: &[Emitter], scene_radius: f64) -> f32 {
+    let r = if scene_radius > 0.0 { scene_radius as f32 } else { 1.0 };
+    let radiance = |e: &Emitter| match e {
+        Emitter::Triangle { radiance, .. }
+        | Emitter::Rectangle { radiance, .. }
+        | Emitter::Ellipse { radiance, .. }
+        | Emitter::Sphere { radiance, .. }
+        | Emitter::Environment { radiance, .. } => *radiance,
+        Emitter::Sun { irradiance, .. } => *irradiance,
+        Emitter::Point { intensity, .. } => *intensity / (r * r),
+    };
+    emitters.iter().map(|e| radiance(e).max_channel()).fold(f32::MIN_POSITIVE, f32::max)
+}

@@ -1,0 +1,75 @@
+//! From a hit to a point that can be shaded.
+
+use glam::Vec3;
+
+use super::Prepared;
+use crate::accel::{Hit, PrimitiveId};
+use crate::shape::{Ray, sphere, triangle};
+
+/// A point on a surface, world space.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// The point.
+    pub p: Vec3,
+    /// Bound on the error of each of its coordinates.
+    pub p_err: Vec3,
+    /// Geometric normal: unit, towards the front.
+    pub ng: Vec3,
+    /// Shading normal: unit.
+    pub ns: Vec3,
+    /// Index of the object.
+    pub object: u32,
+    /// The primitive.
+    pub id: PrimitiveId,
+}
+
+impl Prepared {
+    /// The surface that `ray` meets at `hit`. With `smooth` false the shading normals of meshes are
+    /// not looked at, which changes nothing where no mesh has any.
+    #[inline]
+    #[must_use]
+    pub fn surface(&self, ray: &Ray, hit: &Hit, smooth: bool) -> Surface {
+        let id = hit.id;
+        let object = self.geometry.object_of(id);
+        let geometry = self.accel.geometry(self.accel.space_of(id.instance));
+        let count = geometry.triangles.len() as u32;
+        if id.primitive >= count {
+            let (center, radius) = geometry.spheres[(id.primitive - count) as usize];
+            let (p, p_err, n) = sphere::point(ray, hit.t, center, radius);
+            return Surface { p, p_err, ng: n, ns: n, object, id };
+        }
+        let v = geometry.vertices(id.primitive);
+        let (p, p_err) = triangle::point(v, hit.b[0], hit.b[1]);
+        // A hit has a determinant, and with it an area.
+        let ng = triangle::normal(v).unwrap_or(Vec3::Y);
+        let mut ns = ng;
+        let normals = &self.geometry.normals[self.accel.space_of(id.instance) as usize];
+        if smooth && !normals.is_empty() {
+            let [i, j, k] = geometry.triangles[id.primitive as usize];
+            let [n0, n1, n2] = [i, j, k].map(|i| normals[i as usize]);
+            let b0 = 1.0 - hit.b[0] - hit.b[1];
+            ns = (n0 * b0 + n1 * hit.b[0] + n2 * hit.b[1]).try_normalize().unwrap_or(ng);
+        }
+        let local = Surface { p, p_err, ng, ns, object, id };
+        if id.instance == 0 { local } else { self.to_world(local) }
+    }
+
+    /// Takes a surface from the space of its instance to the world, in `f64`.
+    fn to_world(&self, s: Surface) -> Surface {
+        let placed = &self.geometry.placed[s.id.instance as usize - 1];
+        let m = placed.to_world.matrix3;
+        let p = placed.to_world.transform_point3(s.p.as_dvec3()).as_vec3();
+        // The error of the point goes through the absolute matrix; rounding the ray into the space and
+        // the point out of it adds a few units in the last place of everything that was added up.
+        let spread = |v: Vec3| {
+            let v = v.as_dvec3();
+            (m.x_axis.abs() * v.x + m.y_axis.abs() * v.y + m.z_axis.abs() * v.z).as_vec3()
+        };
+        let rounding =
+            (spread(s.p.abs()) + placed.to_world.translation.abs().as_vec3()) * crate::math::gamma(8);
+        let p_err = spread(s.p_err) + rounding + p.abs() * crate::math::gamma(1);
+        // The inverse transpose keeps the front in front, of mirroring transforms too.
+        let turn = |n: Vec3| (placed.normal * n.as_dvec3()).normalize().as_vec3();
+        Surface { p, p_err, ng: turn(s.ng), ns: turn(s.ns), ..s }
+    }
+}
