@@ -28,7 +28,12 @@ const MARGIN: f64 = 1.05;
 pub fn complete(scene: &mut Scene) -> Vec<Note> {
     let mut notes = Vec::new();
     let mut note = |code, message: &str| {
-        notes.push(Note { code, place: String::new(), message: message.to_owned(), effect: NoteEffect::Differs });
+        notes.push(Note {
+            code,
+            place: String::new(),
+            message: message.to_owned(),
+            effect: NoteEffect::Differs,
+        });
     };
     if !emits(scene) {
         scene.environment = Some(Environment {
@@ -36,7 +41,10 @@ pub fn complete(scene: &mut Scene) -> Vec<Note> {
             radiance: Rgb::WHITE,
             visible_to_camera: true,
         });
-        note("default-dome", "nothing in the scene emits light: it is lit by the default dome, white of radiance 1");
+        note(
+            "default-dome",
+            "nothing in the scene emits light: it is lit by the default dome, white of radiance 1",
+        );
     }
     if scene.cameras.is_empty() {
         scene.cameras.push(default_camera(scene));

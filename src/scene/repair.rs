@@ -12,7 +12,8 @@ const UNIT_TOLERANCE: f32 = 1e-3;
 
 pub(super) fn repair(mesh: &mut Mesh, place: &str) -> Vec<Note> {
     let mut notes = Vec::new();
-    let mut note = |code, effect, message| notes.push(Note { code, place: place.to_owned(), message, effect });
+    let mut note =
+        |code, effect, message| notes.push(Note { code, place: place.to_owned(), message, effect });
     let name = mesh.name.clone();
 
     let before = mesh.triangles.len();
@@ -30,8 +31,10 @@ pub(super) fn repair(mesh: &mut Mesh, place: &str) -> Vec<Note> {
     mesh.triangles.retain(|t| !is_degenerate(corners(t)));
     let sound = mesh.triangles.len();
     if sound < finite {
-        let message =
-            format!("{} of {before} triangles of mesh \"{name}\" have no area; they were dropped", finite - sound);
+        let message = format!(
+            "{} of {before} triangles of mesh \"{name}\" have no area; they were dropped",
+            finite - sound
+        );
         note("degenerate-triangles", NoteEffect::None, message);
     }
     // No triangle uses these any more; as zeros they harm neither bounds nor files.

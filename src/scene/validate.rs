@@ -12,8 +12,8 @@ use glam::{DAffine3, DVec3};
 
 use super::repair::repair;
 use super::{
-    Absorption, Camera, Light, LightKind, Material, MaterialKind, Mesh, Note, Object, Principled, Projection, Scene,
-    Settings, Shape,
+    Absorption, Camera, Light, LightKind, Material, MaterialKind, Mesh, Note, Object, Principled, Projection,
+    Scene, Settings, Shape,
 };
 use crate::color::Rgb;
 
@@ -84,7 +84,10 @@ fn unique<'a>(list: &str, what: &str, names: impl Iterator<Item = &'a str>) -> C
     let mut seen = HashMap::new();
     for (i, name) in names.enumerate() {
         if let Some(first) = seen.insert(name, i) {
-            return wrong(format!("{list}[{i}]"), format!("{what} {first} is called `{name}` too; names are unique"));
+            return wrong(
+                format!("{list}[{i}]"),
+                format!("{what} {first} is called `{name}` too; names are unique"),
+            );
         }
     }
     Ok(())
@@ -100,7 +103,9 @@ fn settings(s: &Settings) -> Check {
         return wrong("settings.spp", "0 samples make no picture; at least 1 is needed");
     }
     match s.exposure {
-        Some(e) => in_range("settings.exposure", e.into(), (-126.0..=126.0).contains(&e), "from -126 to 126 stops"),
+        Some(e) => {
+            in_range("settings.exposure", e.into(), (-126.0..=126.0).contains(&e), "from -126 to 126 stops")
+        }
         None => Ok(()),
     }
 }
@@ -186,7 +191,8 @@ fn attributes(mesh: &Mesh, place: &str) -> Check {
     ];
     for (key, length) in lists {
         if length != 0 && length != count {
-            let message = format!("{length} {key} for {count} positions; there has to be one for each, or none");
+            let message =
+                format!("{length} {key} for {count} positions; there has to be one for each, or none");
             return wrong(format!("{place}.{key}"), message);
         }
     }
@@ -230,6 +236,9 @@ fn object(o: &Object, materials: usize, extents: &[DVec3], place: &str) -> Check
         return wrong(format!("{place}.material"), format!("material {} of {materials}", o.material.0));
     }
     let transform = format!("{place}.transform");
+    if let Shape::Sphere { .. } = o.shape {
+        near(&format!("{place}.sphere.center"), o.transform.translation.abs())?;
+    }
     invertible(&transform, &o.transform)?;
     let reach = match o.shape {
         Shape::Mesh(id) => match extents.get(id.0 as usize) {
@@ -245,12 +254,16 @@ fn object(o: &Object, materials: usize, extents: &[DVec3], place: &str) -> Check
     };
     let m = o.transform.matrix3;
     let world = m.x_axis.abs() * reach.x + m.y_axis.abs() * reach.y + m.z_axis.abs() * reach.z;
-    // Where no shape key can be meant, this is the centre of a sphere.
     near(&transform, world + o.transform.translation.abs())
 }
 
 fn near(place: &str, p: DVec3) -> Check {
-    if p.max_element() <= MAX_LENGTH { Ok(()) } else { wrong(place, "reaches farther than 1e15 metres from the origin") }
+    // Written so that NaN fails too.
+    if p.cmple(DVec3::splat(MAX_LENGTH)).all() {
+        Ok(())
+    } else {
+        wrong(place, "reaches farther than 1e15 metres from the origin, or is not finite")
+    }
 }
 
 fn invertible(place: &str, t: &DAffine3) -> Check {
@@ -272,7 +285,10 @@ fn uniform_scale(place: &str, t: &DAffine3) -> Result<f64, SceneError> {
     let even = [m.y_axis, m.z_axis].iter().all(|a| (a.length() / scale - 1.0).abs() <= SPHERE_TOLERANCE);
     let square = [m.x_axis.dot(m.y_axis), m.y_axis.dot(m.z_axis), m.z_axis.dot(m.x_axis)];
     if !even || square.iter().any(|d| d.abs() > SPHERE_TOLERANCE * scale * scale) {
-        return wrong(place, "a sphere may be turned, moved and scaled evenly only, or it is no sphere any more");
+        return wrong(
+            place,
+            "a sphere may be turned, moved and scaled evenly only, or it is no sphere any more",
+        );
     }
     Ok(scale)
 }
@@ -289,7 +305,8 @@ fn light(l: &Light, place: &str) -> Check {
         LightKind::Spot { intensity, inner, outer, radius, .. } => {
             emitted(format!("{place}.spot.intensity"), intensity)?;
             let (inner_ok, outer_ok) = ((0.0..=outer).contains(&inner), outer > 0.0 && outer <= FRAC_PI_2);
-            let degrees = |place: String, angle: f64, ok, range| in_range(place, angle.to_degrees(), ok, range);
+            let degrees =
+                |place: String, angle: f64, ok, range| in_range(place, angle.to_degrees(), ok, range);
             degrees(format!("{place}.spot.outer"), outer, outer_ok, "above 0 and up to 90 degrees")?;
             degrees(format!("{place}.spot.inner"), inner, inner_ok, "from 0 degrees to the outer angle")?;
             light_radius(radius, intensity, &format!("{place}.spot.radius"))
@@ -297,7 +314,12 @@ fn light(l: &Light, place: &str) -> Check {
         LightKind::Sun { irradiance, angle } => {
             emitted(format!("{place}.sun.irradiance"), irradiance)?;
             let ok = (0.0..PI).contains(&angle);
-            in_range(format!("{place}.sun.angle"), angle.to_degrees(), ok, "from 0 up to, but not, 180 degrees")
+            in_range(
+                format!("{place}.sun.angle"),
+                angle.to_degrees(),
+                ok,
+                "from 0 up to, but not, 180 degrees",
+            )
         }
         LightKind::Area { size, radiance, .. } => {
             emitted(format!("{place}.area.radiance"), radiance)?;
@@ -313,7 +335,12 @@ fn light_radius(radius: f64, intensity: Rgb, place: &str) -> Check {
     }
     length(place.to_owned(), radius)?;
     let radiance = f64::from(intensity.max_channel()) / (PI * radius * radius);
-    in_range(place, radius, radiance <= f64::from(MAX_RADIANCE), "zero, or so large that its radiance is at most 1e30")
+    in_range(
+        place,
+        radius,
+        radiance <= f64::from(MAX_RADIANCE),
+        "zero, or so large that its radiance is at most 1e30",
+    )
 }
 
 fn camera(c: &Camera, place: &str) -> Check {
@@ -404,8 +431,14 @@ mod tests {
         check(|s| s.settings.spp = Some(0), "settings.spp");
         check(|s| s.settings.exposure = Some(nan), "settings.exposure: NaN");
         check(|s| s.materials[2].name = "d".into(), "materials[2]: material 0 is called `d` too");
-        check(|s| s.materials[0].kind = MaterialKind::Diffuse { color: Rgb::grey(1.001) }, "materials[0].diffuse");
-        check(|s| s.materials[0].kind = MaterialKind::Mirror { color: Rgb::grey(nan) }, "materials[0].mirror");
+        check(
+            |s| s.materials[0].kind = MaterialKind::Diffuse { color: Rgb::grey(1.001) },
+            "materials[0].diffuse",
+        );
+        check(
+            |s| s.materials[0].kind = MaterialKind::Mirror { color: Rgb::grey(nan) },
+            "materials[0].mirror",
+        );
         let lamp = |v| MaterialKind::Light { radiance: Rgb::grey(v), sides: crate::scene::Sides::Both };
         check(|s| s.materials[0].kind = lamp(-1.0), "materials[0].light");
         check(|s| s.materials[0].kind = lamp(1e30), "ok");
@@ -414,7 +447,10 @@ mod tests {
         check(|s| glass(s).ior = f32::INFINITY, "materials[1].glass.ior");
         check(|s| glass(s).tint.g = -0.1, "materials[1].glass.tint");
         check(|s| glass(s).absorption.as_mut().unwrap().color.r = 0.0, "materials[1].glass.absorption.color");
-        check(|s| glass(s).absorption.as_mut().unwrap().distance = 0.0, "materials[1].glass.absorption.distance");
+        check(
+            |s| glass(s).absorption.as_mut().unwrap().distance = 0.0,
+            "materials[1].glass.absorption.distance",
+        );
         check(|s| plastic(s).roughness = 1.01, "materials[2].principled.roughness");
         check(|s| plastic(s).ior = 0.9, "materials[2].principled.ior");
         check(|s| plastic(s).specular_color = Rgb::grey(3.0), "ok");
@@ -436,9 +472,13 @@ mod tests {
         check(|s| s.objects[0].transform.matrix3 = uneven, "objects[0].transform: a sphere");
         let mirrored = DMat3::from_diagonal(DVec3::new(2.0, -2.0, 2.0));
         check(|s| s.objects[0].transform.matrix3 = mirrored, "ok");
+        check(|s| s.objects[0].transform.translation.y = f64::NAN, "objects[0].sphere.center: reaches");
         check(|s| s.objects[1].transform.translation.y = 0.9e15, "ok");
         check(|s| s.objects[1].transform.translation.y = 1.1e15, "objects[1].transform: reaches");
-        check(|s| s.objects[1].transform.translation.y = f64::NAN, "objects[1].transform: the transform is not");
+        check(
+            |s| s.objects[1].transform.translation.y = f64::NAN,
+            "objects[1].transform: the transform is not",
+        );
 
         let point = |v, radius| LightKind::Point { intensity: Rgb::grey(v), radius };
         check(|s| s.lights[0].kind = point(1.0, -1.0), "lights[0].point.radius");
@@ -453,7 +493,10 @@ mod tests {
         };
         check(|s| s.lights[1].kind = spot(0.5, 0.4), "lights[1].spot.inner");
         check(|s| s.lights[1].kind = spot(0.0, 1.6), "lights[1].spot.outer");
-        check(|s| s.lights[2].kind = LightKind::Sun { irradiance: Rgb::WHITE, angle: PI }, "lights[2].sun.angle");
+        check(
+            |s| s.lights[2].kind = LightKind::Sun { irradiance: Rgb::WHITE, angle: PI },
+            "lights[2].sun.angle",
+        );
         check(|s| s.lights[2].transform.matrix3 = flat, "lights[2].transform");
         let shape = crate::scene::AreaShape::Ellipse;
         let area = LightKind::Area { shape, size: [1.0, 0.0], radiance: Rgb::WHITE };

@@ -137,7 +137,8 @@ pub(super) fn from_json(source: &str, error: &serde_json::Error) -> TextError {
     let position = format!(" at line {} column {}", error.line(), error.column());
     let fault = from_sentence(sentence.strip_suffix(&position).unwrap_or(&sentence));
     // The reader stands on the last byte it has read; columns count bytes.
-    let line_start: usize = source.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
+    let line_start: usize =
+        source.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
     let mut at = (line_start + error.column().saturating_sub(1)).min(source.len());
     while !source.is_char_boundary(at) {
         at -= 1;
@@ -181,7 +182,9 @@ fn from_sentence(sentence: &str) -> Fault {
         Kind::UnknownKey => head.replacen("unknown field", "unknown key", 1),
         Kind::UnknownName => head.replacen("unknown variant", "unknown name", 1),
         Kind::MissingKey => head.replacen("missing field", "missing key", 1),
-        Kind::WrongType => head.replacen("invalid type: ", "found ", 1).replacen("invalid length ", "found a list of ", 1),
+        Kind::WrongType => {
+            head.replacen("invalid type: ", "found ", 1).replacen("invalid length ", "found a list of ", 1)
+        }
         Kind::Value => head.replacen("invalid value: ", "", 1),
         _ => sentence.trim().replace('\n', ", "),
     };
@@ -196,7 +199,7 @@ fn from_sentence(sentence: &str) -> Fault {
             fault.nearest = nearest(word, quoted(expected));
         }
         if fault.nearest.is_none() {
-            fault.expected = Some(plain_type(expected).to_owned());
+            fault.expected = Some(plain_type(expected).replace("an array of length", "a list of"));
         }
     }
     fault

@@ -9,8 +9,8 @@ use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 
 use super::error::{Fault, TextErrorKind, one_of};
 use super::model::{
-    AbsorptionTable, AreaTable, CameraTable, Document, GlassTable, LightTable, MaterialTable, MeshTable, ObjectTable,
-    PointTable, PrincipledTable, PrismTable, SpotTable, SunTable,
+    AbsorptionTable, AreaTable, CameraTable, Document, GlassTable, LightTable, MaterialTable, MeshTable,
+    ObjectTable, PointTable, PrincipledTable, PrismTable, SpotTable, SunTable,
 };
 use super::place::{Place, Step};
 use super::shapes::{self, Surface};
@@ -18,8 +18,8 @@ use super::up::Up;
 use super::value::{NameOr, Placement};
 use crate::color::Rgb;
 use crate::scene::{
-    Absorption, Camera, Environment, Glass, Lens, Light, LightKind, Material, MaterialId, MaterialKind, Mesh, MeshId,
-    Object, Principled, Projection, Scene, Settings, Shape,
+    Absorption, Camera, Environment, Glass, Lens, Light, LightKind, Material, MaterialId, MaterialKind, Mesh,
+    MeshId, Object, Principled, Projection, Scene, Settings, Shape,
 };
 
 /// Where in a file the parts of a scene come from.
@@ -192,7 +192,13 @@ impl Builder {
     }
 
     /// One object for the whole prism where it has one material, else one for each part.
-    fn prism(&mut self, base: &Object, prism: &PrismTable, own: Option<MaterialId>, place: &Place) -> Result<(), Fault> {
+    fn prism(
+        &mut self,
+        base: &Object,
+        prism: &PrismTable,
+        own: Option<MaterialId>,
+        place: &Place,
+    ) -> Result<(), Fault> {
         let shape = place.key("prism");
         let parts = shapes::prism(prism, self.up).map_err(|m| Fault::value(shape.clone(), m))?;
         let of = |name: &Option<String>, key: &str| match name {
@@ -202,7 +208,9 @@ impl Builder {
         let (floor, ceiling) = (of(&prism.floor, "floor")?, of(&prism.ceiling, "ceiling")?);
         let walls: Vec<Option<MaterialId>> = match &prism.walls {
             None => vec![own; parts.walls.len()],
-            Some(NameOr::Name(name)) => vec![Some(self.material(name, shape.key("walls"))?); parts.walls.len()],
+            Some(NameOr::Name(name)) => {
+                vec![Some(self.material(name, shape.key("walls"))?); parts.walls.len()]
+            }
             Some(NameOr::Inline(names)) if names.len() != parts.walls.len() => {
                 let message = format!("{} walls for {} corners", names.len(), parts.walls.len());
                 return Err(Fault::value(shape.key("walls"), message).expecting("one wall for each corner"));
@@ -228,7 +236,8 @@ impl Builder {
             face(&format!("wall {}", i + 1), material, wall);
         }
         let Some((_, first, _)) = faces.first() else {
-            let missing = Fault::new(TextErrorKind::MissingKey, place.clone(), "no part of the prism has a material");
+            let missing =
+                Fault::new(TextErrorKind::MissingKey, place.clone(), "no part of the prism has a material");
             return Err(missing.expecting("`material`, or any of `walls`, `floor`, `ceiling`"));
         };
         let first = *first;
@@ -263,7 +272,8 @@ fn exactly_one<'a>(what: &str, kinds: &[(&'a str, bool)], place: &Place) -> Resu
         [kind] => Ok(kind),
         [] => {
             let names: Vec<&str> = kinds.iter().map(|k| k.0).collect();
-            let fault = Fault::new(TextErrorKind::MissingKey, place.clone(), format!("{what} without a kind"));
+            let fault =
+                Fault::new(TextErrorKind::MissingKey, place.clone(), format!("{what} without a kind"));
             Err(fault.expecting(one_of(&names)))
         }
         [_, second, ..] => {
@@ -278,8 +288,9 @@ fn camera(name: String, table: &CameraTable, up: Up, place: &Place) -> Result<Ca
         (Some(t), None, None) if table.up.is_none() => t.affine(up),
         (None, Some(eye), Some(target)) => {
             let above = table.up.map_or(up.axis(), DVec3::from);
-            look_along(eye.into(), DVec3::from(target) - DVec3::from(eye), above)
-                .ok_or_else(|| Fault::value(place.clone(), "eye and target coincide, or it looks along `up`"))?
+            look_along(eye.into(), DVec3::from(target) - DVec3::from(eye), above).ok_or_else(|| {
+                Fault::value(place.clone(), "eye and target coincide, or it looks along `up`")
+            })?
         }
         (Some(_), ..) => {
             let message = "a camera with both `transform` and `eye`, `target` or `up`";
@@ -314,7 +325,8 @@ pub(in crate::scene) fn look_along(position: DVec3, direction: DVec3, above: DVe
     let x = above.try_normalize()?.cross(z);
     // Within a millionth of a degree of `above`, the roll would be noise.
     let x = (x.length() > 1e-8).then(|| x.normalize())?;
-    Some(DAffine3 { matrix3: DMat3::from_cols(x, z.cross(x), z), translation: position })
+    // Adding zero turns negative zeros, which help nobody who reads them, into zeros.
+    Some(DAffine3 { matrix3: DMat3::from_cols(x, z.cross(x), z) + DMat3::ZERO, translation: position })
 }
 
 fn material(table: &MaterialTable, place: &Place) -> Result<MaterialKind, Fault> {
@@ -403,7 +415,8 @@ fn light(table: LightTable, index: usize, up: Up, place: &Place) -> Result<Light
             let position = table.position.map_or(DVec3::ZERO, DVec3::from);
             let direction = match (table.direction, table.target) {
                 (Some(_), Some(_)) => {
-                    let fault = Fault::value(place.key("target"), "a light with both `direction` and `target`");
+                    let fault =
+                        Fault::value(place.key("target"), "a light with both `direction` and `target`");
                     return Err(fault.expecting("one of them"));
                 }
                 (Some(direction), None) => direction.into(),
@@ -414,22 +427,24 @@ fn light(table: LightTable, index: usize, up: Up, place: &Place) -> Result<Light
             // Straight up and down have no roll of their own: any will do, so take the axis before.
             let aside = DVec3::AXES[(up.axis_index() + 2) % 3];
             let fallback = if table.up.is_none() { look_along(position, direction, aside) } else { None };
-            look_along(position, direction, above)
-                .or(fallback)
-                .ok_or_else(|| Fault::value(place.clone(), "the light's direction is zero, or along its `up`"))?
+            look_along(position, direction, above).or(fallback).ok_or_else(|| {
+                Fault::value(place.clone(), "the light's direction is zero, or along its `up`")
+            })?
         }
     };
     let kind = match table {
         LightTable { point: Some(PointTable { intensity, radius }), .. } => {
             LightKind::Point { intensity: intensity.0, radius }
         }
-        LightTable { spot: Some(SpotTable { intensity, inner, outer, falloff, radius }), .. } => LightKind::Spot {
-            intensity: intensity.0,
-            inner: inner.map_or(0.0, |a| a.radians),
-            outer: outer.radians,
-            falloff: falloff.0,
-            radius,
-        },
+        LightTable { spot: Some(SpotTable { intensity, inner, outer, falloff, radius }), .. } => {
+            LightKind::Spot {
+                intensity: intensity.0,
+                inner: inner.map_or(0.0, |a| a.radians),
+                outer: outer.radians,
+                falloff: falloff.0,
+                radius,
+            }
+        }
         LightTable { sun: Some(SunTable { irradiance, angle }), .. } => {
             LightKind::Sun { irradiance: irradiance.0, angle: angle.map_or(0.0, |a| a.radians) }
         }

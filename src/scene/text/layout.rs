@@ -17,7 +17,9 @@ pub(super) fn toml(root: &Table) -> String {
         match (key.as_str(), value) {
             // Each camera and mesh has several entries; so it has a header of its own.
             ("camera" | "mesh", Node::Table(named)) => {
-                named.iter().for_each(|(name, v)| section(&mut out, &format!("[{key}.{}]", toml_key(name)), v));
+                named
+                    .iter()
+                    .for_each(|(name, v)| section(&mut out, &format!("[{key}.{}]", toml_key(name)), v));
             }
             (_, Node::List(items)) => items.iter().for_each(|v| section(&mut out, &format!("[[{key}]]"), v)),
             _ => section(&mut out, &format!("[{key}]"), value),
@@ -119,7 +121,9 @@ fn inline(value: &Node, key_of: &dyn Fn(&str) -> String, sign: &str) -> String {
         }
         Node::Table(entries) if entries.is_empty() => "{}".to_owned(),
         Node::Table(entries) => {
-            let entry = |(key, value): &(String, Node)| format!("{}{sign}{}", key_of(key), inline(value, key_of, sign));
+            let entry = |(key, value): &(String, Node)| {
+                format!("{}{sign}{}", key_of(key), inline(value, key_of, sign))
+            };
             format!("{{ {} }}", entries.iter().map(entry).collect::<Vec<_>>().join(", "))
         }
     }

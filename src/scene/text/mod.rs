@@ -102,7 +102,9 @@ struct Head<V> {
 fn wrong_version(found: Option<Option<i64>>, text: &str, syntax: Syntax) -> Option<TextError> {
     let message = match found? {
         Some(version) if version == i64::from(VERSION) => return None,
-        Some(version) => format!("the scene is of version {version} of the form, this program reads {VERSION}"),
+        Some(version) => {
+            format!("the scene is of version {version} of the form, this program reads {VERSION}")
+        }
         None => "the key `epsilux = 1` that marks a scene is missing at the top".to_owned(),
     };
     Some(Fault::new(TextErrorKind::Version, Place::top("epsilux"), message).locate(text, syntax))
@@ -125,5 +127,7 @@ fn finish(document: model::Document, text: &str, syntax: Syntax) -> Result<(Scen
     }
 }
 
+#[cfg(test)]
+mod scenes_test;
 #[cfg(test)]
 mod tests;

@@ -187,7 +187,8 @@ impl JsonScan<'_> {
                 }
                 c if c.is_ascii_whitespace() || matches!(c, b',' | b':') => self.at += 1,
                 _ => {
-                    while !matches!(self.peek(), 0 | b',' | b'}' | b']' | b':' | b' ' | b'\n' | b'\r' | b'\t') {
+                    while !matches!(self.peek(), 0 | b',' | b'}' | b']' | b':' | b' ' | b'\n' | b'\r' | b'\t')
+                    {
                         self.at += 1;
                     }
                 }

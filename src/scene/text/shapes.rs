@@ -108,7 +108,8 @@ pub(super) fn prism(shape: &PrismTable, up: Up) -> Result<PrismParts, String> {
     if !(low < high && low.is_finite() && high.is_finite()) {
         return Err(format!("bottom {low} has to be below top {high}"));
     }
-    let raise = |plan: &[[f64; 2]], height: f64| plan.iter().map(|&c| up.raise(c, height)).collect::<Vec<_>>();
+    let raise =
+        |plan: &[[f64; 2]], height: f64| plan.iter().map(|&c| up.raise(c, height)).collect::<Vec<_>>();
     let level = |height: f64, holes: &[Vec<[f64; 2]>], front_up: bool| {
         let holes: Vec<_> = holes.iter().map(|h| raise(h, height)).collect();
         let (mut surface, normal) = fill(&raise(&shape.corners, height), &holes)?;
@@ -134,7 +135,12 @@ pub(super) fn prism(shape: &PrismTable, up: Up) -> Result<PrismParts, String> {
 }
 
 /// Turns the front of `surface`, whose normal is `normal`, to the point `facing`.
-fn turn_to(surface: &mut Surface, normal: DVec3, middle: DVec3, facing: Option<[f64; 3]>) -> Result<(), String> {
+fn turn_to(
+    surface: &mut Surface,
+    normal: DVec3,
+    middle: DVec3,
+    facing: Option<[f64; 3]>,
+) -> Result<(), String> {
     let Some(facing) = facing else { return Ok(()) };
     let side = normal.dot(DVec3::from(facing) - middle);
     if side == 0.0 || !side.is_finite() {

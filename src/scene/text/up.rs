@@ -56,7 +56,11 @@ impl Up {
     pub(super) fn place(self, t: DAffine3) -> DAffine3 {
         let m = t.matrix3;
         DAffine3 {
-            matrix3: DMat3::from_cols(self.to_scene(m.x_axis), self.to_scene(m.y_axis), self.to_scene(m.z_axis)),
+            matrix3: DMat3::from_cols(
+                self.to_scene(m.x_axis),
+                self.to_scene(m.y_axis),
+                self.to_scene(m.z_axis),
+            ),
             translation: self.to_scene(t.translation),
         }
     }

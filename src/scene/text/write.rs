@@ -13,8 +13,8 @@ use super::VERSION;
 use super::names::Vocabulary;
 use crate::color::Rgb;
 use crate::scene::{
-    Absorption, AreaShape, Camera, FovAxis, Light, LightKind, Material, MaterialKind, Mesh, Object, Principled,
-    Projection, Scene, Settings, Shape, Sides, SpotFalloff,
+    Absorption, AreaShape, Camera, FovAxis, Light, LightKind, Material, MaterialKind, Mesh, Object,
+    Principled, Projection, Scene, Settings, Shape, Sides, SpotFalloff,
 };
 
 /// A value of the text form.
@@ -91,7 +91,8 @@ impl From<u32> for Node {
 
 impl From<f64> for Node {
     fn from(value: f64) -> Self {
-        let whole = value.trunc() == value && value.abs() < 1e15 && (value != 0.0 || value.is_sign_positive());
+        let whole =
+            value.trunc() == value && value.abs() < 1e15 && (value != 0.0 || value.is_sign_positive());
         Self::Raw(if whole { format!("{value:.0}") } else { format!("{value:?}") })
     }
 }
@@ -156,7 +157,8 @@ fn transform(t: &DAffine3) -> Node {
 pub(super) fn tree(scene: &Scene) -> Table {
     let mesh_keys = unique_keys(scene.meshes.iter().map(|m| m.name.as_str()));
     let meshes = scene.meshes.iter().zip(&mesh_keys).map(|(m, key)| (key.clone(), mesh(m, key)));
-    let material_name = |o: &Object| scene.materials.get(o.material.0 as usize).map_or("", |m| m.name.as_str());
+    let material_name =
+        |o: &Object| scene.materials.get(o.material.0 as usize).map_or("", |m| m.name.as_str());
     let objects = scene.objects.iter().map(|o| object(o, material_name(o), &mesh_keys));
     Keys::default()
         .put("epsilux", VERSION)
@@ -188,7 +190,10 @@ fn unique_keys<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Vec<String> 
         .map(|(i, name)| {
             let mut key = name.to_owned();
             let mut number = i;
-            while key.is_empty() || used.contains(&key) || (key != name && names_in_use.contains(key.as_str())) {
+            while key.is_empty()
+                || used.contains(&key)
+                || (key != name && names_in_use.contains(key.as_str()))
+            {
                 number += 1;
                 key = format!("{} {number}", if name.is_empty() { "mesh" } else { name });
             }
@@ -315,7 +320,9 @@ fn light(l: &Light) -> Node {
             keys.put("area", area)
         }
     };
-    keys.put("transform", transform(&l.transform)).unless("visible_to_camera", l.visible_to_camera, true).into()
+    keys.put("transform", transform(&l.transform))
+        .unless("visible_to_camera", l.visible_to_camera, true)
+        .into()
 }
 
 #[cfg(test)]
@@ -348,7 +355,8 @@ mod tests {
             assert_eq!(written(angle(f64::to_radians(degrees))), written(degrees));
         }
         // Not every number of radians is the image of some number of degrees.
-        let inexact = (1..1000).map(|i| f64::from(i) * 0.001).filter(|&r| matches!(angle(r), Node::Table(_))).count();
+        let inexact =
+            (1..1000).map(|i| f64::from(i) * 0.001).filter(|&r| matches!(angle(r), Node::Table(_))).count();
         assert!(inexact > 10, "{inexact}");
     }
 
