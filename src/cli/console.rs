@@ -25,7 +25,9 @@ impl Console {
     pub(super) fn result(&self, text: &str) -> Result<(), Failure> {
         let mut out = io::stdout().lock();
         match writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush()) {
-            Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Failure::write(format!("standard output: {e}"))),
+            Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+                Err(Failure::write(format!("standard output: {e}")))
+            }
             _ => Ok(()),
         }
     }

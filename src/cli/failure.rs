@@ -92,7 +92,8 @@ impl Failure {
                 format!("{label} {message}{help}")
             }
             What::Text(mistake) => {
-                let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+                let theme =
+                    if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
                 let mut text = String::new();
                 let handler = GraphicalReportHandler::new_themed(theme).with_width(100);
                 match handler.render_report(&mut text, mistake.as_ref()) {

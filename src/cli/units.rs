@@ -13,10 +13,9 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 /// `X,Y,WIDTH,HEIGHT` in pixels of the whole picture, from its top left corner.
 pub(super) fn crop(text: &str) -> Result<[u32; 4], String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(number).collect();
-    numbers
-        .and_then(|n| <[u32; 4]>::try_from(n).ok())
-        .filter(|[_, _, w, h]| *w > 0 && *h > 0)
-        .ok_or_else(|| "expected X,Y,WIDTH,HEIGHT in pixels from the top left corner, such as 0,0,64,64".into())
+    numbers.and_then(|n| <[u32; 4]>::try_from(n).ok()).filter(|[_, _, w, h]| *w > 0 && *h > 0).ok_or_else(
+        || "expected X,Y,WIDTH,HEIGHT in pixels from the top left corner, such as 0,0,64,64".into(),
+    )
 }
 
 /// A time with its unit: `500ms`, `30s`, `5min`, `2h`; a bare number is seconds.
@@ -84,9 +83,13 @@ mod tests {
 
     #[test]
     fn crops() {
-        for (text, expected) in
-            [("1,2,3,4", Some([1, 2, 3, 4])), ("1,2,3", None), ("1,2,0,4", None), ("1,2,3,4,5", None), ("", None)]
-        {
+        for (text, expected) in [
+            ("1,2,3,4", Some([1, 2, 3, 4])),
+            ("1,2,3", None),
+            ("1,2,0,4", None),
+            ("1,2,3,4,5", None),
+            ("", None),
+        ] {
             assert_eq!(crop(text).ok(), expected, "{text}");
         }
     }
