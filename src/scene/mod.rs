@@ -12,16 +12,17 @@ mod light;
 mod material;
 mod mesh;
 mod note;
+mod repair;
 pub mod text;
 mod validate;
 
 pub use camera::{Camera, FovAxis, Lens, Projection};
-pub use defaults::complete;
+pub use defaults::{DEFAULT_CAMERA, DEFAULT_DOME, complete};
 pub use light::{AreaShape, Environment, Light, LightKind, SpotFalloff};
 pub use material::{Absorption, Glass, Material, MaterialKind, Principled, Sides};
 pub use mesh::Mesh;
 pub use note::{Effect as NoteEffect, Note};
-pub use validate::{SceneError, validate};
+pub use validate::{MAX_LENGTH, MAX_RADIANCE, MAX_SIDE, MIN_LENGTH, SceneError, validate};
 
 use glam::DAffine3;
 

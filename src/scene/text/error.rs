@@ -199,7 +199,7 @@ fn from_sentence(sentence: &str) -> Fault {
             fault.nearest = nearest(word, quoted(expected));
         }
         if fault.nearest.is_none() {
-            fault.expected = Some(plain_type(expected).to_owned());
+            fault.expected = Some(plain_type(expected).replace("an array of length", "a list of"));
         }
     }
     fault

@@ -325,7 +325,8 @@ pub(in crate::scene) fn look_along(position: DVec3, direction: DVec3, above: DVe
     let x = above.try_normalize()?.cross(z);
     // Within a millionth of a degree of `above`, the roll would be noise.
     let x = (x.length() > 1e-8).then(|| x.normalize())?;
-    Some(DAffine3 { matrix3: DMat3::from_cols(x, z.cross(x), z), translation: position })
+    // Adding zero turns negative zeros, which help nobody who reads them, into zeros.
+    Some(DAffine3 { matrix3: DMat3::from_cols(x, z.cross(x), z) + DMat3::ZERO, translation: position })
 }
 
 fn material(table: &MaterialTable, place: &Place) -> Result<MaterialKind, Fault> {

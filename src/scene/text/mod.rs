@@ -10,12 +10,14 @@
 
 mod error;
 mod expand;
+mod layout;
 mod model;
 mod names;
 mod place;
 mod shapes;
 mod up;
 mod value;
+mod write;
 
 pub use error::{TextError, TextErrorKind};
 pub(super) use expand::look_along;
@@ -72,6 +74,24 @@ pub fn parse_json(text: &str) -> Result<(Scene, Vec<Note>), TextError> {
     finish(document, text, Syntax::Json)
 }
 
+/// A scene in canonical TOML; [`parse_toml`] gives the same scene back, bit for bit, if it is valid.
+#[must_use]
+pub fn to_toml(scene: &Scene) -> String {
+    layout::toml(&write::tree(scene))
+}
+
+/// A scene in canonical JSON; [`parse_json`] gives the same scene back, bit for bit, if it is valid.
+#[must_use]
+pub fn to_json(scene: &Scene) -> String {
+    layout::json(&write::tree(scene))
+}
+
+/// The JSON Schema of the text form, for editors; it holds for TOML and JSON.
+#[must_use]
+pub fn schema() -> serde_json::Value {
+    schemars::schema_for!(model::Document).to_value()
+}
+
 /// The mark alone, read from files that are not scenes of this version.
 #[derive(serde::Deserialize)]
 struct Head<V> {
@@ -108,14 +128,6 @@ fn finish(document: model::Document, text: &str, syntax: Syntax) -> Result<(Scen
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hexroom_parses() {
-        let (scene, notes) =
-            parse(include_str!("../../../scenes/hexroom.toml")).unwrap_or_else(|e| panic!("{e}"));
-        assert!(notes.is_empty());
-        assert_eq!(scene.objects.len(), 8 + 8);
-    }
-}
+mod scenes_test;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,451 @@
+//! Tests of the text form as a whole: round trips, messages, the schema.
+
+use std::path::{Path, PathBuf};
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3, Vec4};
+use proptest::collection::vec;
+use proptest::option;
+use proptest::prelude::*;
+
+use super::*;
+use crate::color::Rgb;
+use crate::scene::*;
+
+fn scenes() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    files.sort();
+    files
+}
+
+/// Equal to the last bit, the sign of zero included (`==` does not see that, the printed form does).
+fn same(a: &Scene, b: &Scene) -> bool {
+    a == b && format!("{a:?}") == format!("{b:?}")
+}
+
+#[test]
+fn every_scene_of_the_project_reads_without_notes_and_survives_writing() {
+    let files = scenes();
+    assert!(!files.is_empty());
+    for file in files {
+        let source = std::fs::read_to_string(&file).unwrap();
+        let (scene, notes) = parse(&source).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        assert_eq!(notes, []);
+        assert!(same(&parse(&to_toml(&scene)).unwrap().0, &scene), "{}", file.display());
+        assert!(same(&parse(&to_json(&scene)).unwrap().0, &scene), "{}", file.display());
+    }
+}
+
+#[test]
+fn the_schema_file_is_up_to_date() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/epsilux.schema.json");
+    let schema = format!("{:#}\n", schema());
+    if std::env::var_os("EPSILUX_UPDATE").is_some() {
+        std::fs::write(&path, &schema).unwrap();
+    }
+    let file = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(file == schema, "run the tests with EPSILUX_UPDATE=1 to write {}", path.display());
+}
+
+/// Finite doubles of every size that a coordinate may have, both zeros included.
+fn coordinate() -> impl Strategy<Value = f64> + Clone {
+    prop_oneof![
+        4 => -1e3..1e3f64,
+        1 => (-40..40i32, -1.0..1.0f64).prop_map(|(e, m)| m * libm::exp2(f64::from(e))),
+        1 => prop::sample::select(vec![0.0, -0.0, 1.0, -1.0, 0.1, 1e-300]),
+    ]
+}
+
+fn single() -> impl Strategy<Value = f32> + Clone {
+    coordinate().prop_map(|v| v as f32)
+}
+
+fn dvec3() -> impl Strategy<Value = DVec3> + Clone {
+    [coordinate(), coordinate(), coordinate()].prop_map(DVec3::from)
+}
+
+fn vec3() -> impl Strategy<Value = Vec3> + Clone {
+    [single(), single(), single()].prop_map(Vec3::from)
+}
+
+fn unit() -> impl Strategy<Value = Vec3> + Clone {
+    vec3().prop_map(|v| v.as_dvec3().try_normalize().unwrap_or(DVec3::X).as_vec3())
+}
+
+fn size() -> impl Strategy<Value = f64> + Clone {
+    prop_oneof![1e-3..1e3f64, Just(1.0), Just(1e-10), Just(1e12)]
+}
+
+fn unit_single() -> impl Strategy<Value = f32> + Clone {
+    prop_oneof![0.0..=1.0f32, Just(0.0), Just(-0.0), Just(1.0), Just(1e-40), Just(f32::MIN_POSITIVE)]
+}
+
+fn rgb(channel: impl Strategy<Value = f32> + Clone) -> impl Strategy<Value = Rgb> + Clone {
+    [channel.clone(), channel.clone(), channel].prop_map(Rgb::from)
+}
+
+fn reflectance() -> impl Strategy<Value = Rgb> + Clone {
+    prop_oneof![rgb(unit_single()), Just(Rgb::WHITE)]
+}
+
+fn radiance() -> impl Strategy<Value = Rgb> + Clone {
+    rgb(prop_oneof![0.0..1e3f32, Just(0.0), Just(-0.0), Just(1e20)])
+}
+
+fn name() -> impl Strategy<Value = String> + Clone {
+    prop_oneof!["[a-z]{1,3}", any::<String>(), Just(String::new()), Just("a.b [1]\u{7f}\u{0}\"\\".to_owned())]
+}
+
+fn even_transform() -> impl Strategy<Value = DAffine3> + Clone {
+    let turned = (dvec3(), -3.0..3.0f64, 1e-2..1e2f64, dvec3()).prop_map(|(axis, turn, scale, at)| {
+        let axis = axis.try_normalize().unwrap_or(DVec3::Y);
+        DAffine3 { matrix3: DMat3::from_quat(DQuat::from_axis_angle(axis, turn)) * scale, translation: at }
+    });
+    prop_oneof![turned, dvec3().prop_map(DAffine3::from_translation), Just(DAffine3::IDENTITY)]
+}
+
+fn any_transform() -> impl Strategy<Value = DAffine3> + Clone {
+    let skewed = (even_transform(), [0.1..9.0f64, 0.1..9.0f64, -9.0..-0.1f64])
+        .prop_map(|(t, s)| DAffine3 { matrix3: t.matrix3 * DMat3::from_diagonal(s.into()), ..t });
+    prop_oneof![skewed, even_transform()]
+}
+
+fn absorption() -> impl Strategy<Value = Option<Absorption>> + Clone {
+    let channel = prop_oneof![1e-3..=1.0f32, Just(1e-40)];
+    option::of((rgb(channel), size()).prop_map(|(color, d)| Absorption { color, distance: d as f32 }))
+}
+
+fn material_kind() -> impl Strategy<Value = MaterialKind> {
+    let sides = prop::sample::select(vec![Sides::Front, Sides::Both]);
+    let principled = (
+        (reflectance(), unit_single(), unit_single(), 1.0..3.0f32, unit_single()),
+        (radiance(), unit_single(), reflectance(), any::<bool>(), absorption(), radiance()),
+    )
+        .prop_map(|(a, b)| {
+            MaterialKind::Principled(Box::new(Principled {
+                base_color: a.0,
+                metallic: a.1,
+                roughness: a.2,
+                ior: a.3,
+                specular: a.4,
+                specular_color: b.0,
+                transmission: b.1,
+                transmission_tint: b.2,
+                thin: b.3,
+                absorption: b.4,
+                emission: b.5,
+            }))
+        });
+    prop_oneof![
+        reflectance().prop_map(|color| MaterialKind::Diffuse { color }),
+        reflectance().prop_map(|color| MaterialKind::Mirror { color }),
+        (0.1..3.0f32, reflectance(), absorption())
+            .prop_map(|(ior, tint, absorption)| MaterialKind::Glass(Glass { ior, tint, absorption })),
+        (radiance(), sides).prop_map(|(radiance, sides)| MaterialKind::Light { radiance, sides }),
+        principled,
+        Just(MaterialKind::Principled(Box::default())),
+    ]
+}
+
+fn mesh() -> impl Strategy<Value = Mesh> {
+    let vertex = (
+        vec3(),
+        unit(),
+        (unit(), any::<bool>()).prop_map(|(t, left)| t.extend(if left { -1.0 } else { 1.0 })),
+        [single(), single()].prop_map(Vec2::from),
+        [single(), single()].prop_map(Vec2::from),
+        [unit_single(), unit_single(), unit_single(), unit_single()].prop_map(Vec4::from),
+    );
+    let lists = [any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>()];
+    (name(), vec(vertex, 3..12), lists, vec([0..12u32, 0..12u32, 0..12u32], 0..8)).prop_map(
+        |(name, vertices, lists, triangles)| {
+            let count = vertices.len() as u32;
+            Mesh {
+                name,
+                positions: vertices.iter().map(|v| v.0).collect(),
+                normals: vertices.iter().filter(|_| lists[0]).map(|v| v.1).collect(),
+                tangents: vertices.iter().filter(|_| lists[1]).map(|v| v.2).collect(),
+                uvs: [
+                    vertices.iter().filter(|_| lists[2]).map(|v| v.3).collect(),
+                    vertices.iter().filter(|_| lists[3]).map(|v| v.4).collect(),
+                ],
+                colors: vertices.iter().filter(|_| lists[4]).map(|v| v.5).collect(),
+                triangles: triangles.into_iter().map(|t| t.map(|i| i % count)).collect(),
+            }
+        },
+    )
+}
+
+fn light() -> impl Strategy<Value = Light> {
+    let radius = || prop_oneof![Just(0.0), 1e-2..1e2f64];
+    let falloff = prop::sample::select(vec![SpotFalloff::Gltf, SpotFalloff::Blender]);
+    let outline = prop::sample::select(vec![AreaShape::Rectangle, AreaShape::Ellipse]);
+    let kind = prop_oneof![
+        (radiance(), radius()).prop_map(|(intensity, radius)| LightKind::Point { intensity, radius }),
+        (radiance(), 0.0..=1.0f64, 1e-3..1.57f64, falloff, radius()).prop_map(
+            |(intensity, share, outer, falloff, radius)| LightKind::Spot {
+                intensity,
+                inner: share * outer,
+                outer,
+                falloff,
+                radius
+            }
+        ),
+        (radiance(), 0.0..3.1f64).prop_map(|(irradiance, angle)| LightKind::Sun { irradiance, angle }),
+        (outline, size(), size(), radiance()).prop_map(|(shape, w, h, radiance)| LightKind::Area {
+            shape,
+            size: [w, h],
+            radiance
+        }),
+    ];
+    (name(), kind, any_transform(), any::<bool>()).prop_map(|(name, kind, transform, visible_to_camera)| {
+        Light { name, kind, transform, visible_to_camera }
+    })
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    let axis = prop::sample::select(vec![FovAxis::Horizontal, FovAxis::Vertical]);
+    let projection =
+        (1e-3..3.1f64, size(), any::<bool>(), axis).prop_map(|(fov, extent, perspective, axis)| {
+            if perspective {
+                Projection::Perspective { fov, axis }
+            } else {
+                Projection::Orthographic { extent, axis }
+            }
+        });
+    let lens =
+        option::of((size(), size()).prop_map(|(radius, focus_distance)| Lens { radius, focus_distance }));
+    (name(), any_transform(), projection, [coordinate(), coordinate()], lens, option::of(0.1..10.0f64))
+        .prop_map(|(name, transform, projection, shift, lens, aspect)| Camera {
+            name,
+            transform,
+            projection,
+            shift: shift.map(|s| s.clamp(-1e6, 1e6)),
+            lens,
+            aspect,
+        })
+}
+
+prop_compose! {
+    fn settings()(
+        size in option::of([1..9999u32, 1..9999u32]),
+        spp in option::of(1..9999u32),
+        exposure in option::of(-9.0..9.0f32),
+        tone in option::of(prop::sample::select(vec![
+            ToneCurve::Srgb, ToneCurve::Agx, ToneCurve::Neutral, ToneCurve::Sqrt, ToneCurve::Linear,
+        ])),
+        max_depth in option::of(any::<u32>()),
+    ) -> Settings {
+        Settings { size, spp, exposure, tone, max_depth }
+    }
+}
+
+prop_compose! {
+    fn scene()(
+        title in name(),
+        materials in vec((name(), material_kind()), 1..4),
+        meshes in vec(mesh(), 0..4),
+        objects in vec((name(), any::<u32>(), any::<u32>(), size(), any_transform(), even_transform(), any::<bool>()), 0..5),
+        lights in vec(light(), 0..4),
+        cameras in vec(camera(), 0..3),
+        environment in option::of((name(), radiance(), any::<bool>())),
+        settings in settings(),
+    ) -> Scene {
+        let objects = objects.into_iter().map(|(name, material, mesh, size, any, even, visible_to_camera)| {
+            let (shape, transform) = match mesh as usize % (meshes.len() + 1) {
+                0 => (Shape::Sphere { radius: size }, even),
+                m => (Shape::Mesh(MeshId(m as u32 - 1)), any),
+            };
+            let material = MaterialId(material % materials.len() as u32);
+            Object { name, shape, material, transform, visible_to_camera }
+        }).collect();
+        // Names of materials and cameras have to be unique.
+        let numbered = |i: usize, name: &str| if i == 0 { name.to_owned() } else { format!("{name}{i}\u{e9}") };
+        Scene {
+            title,
+            objects,
+            materials: materials.iter().enumerate()
+                .map(|(i, (name, kind))| Material { name: numbered(i, name), kind: kind.clone() }).collect(),
+            meshes,
+            lights,
+            cameras: cameras.into_iter().enumerate()
+                .map(|(i, c)| Camera { name: numbered(i, &c.name), ..c }).collect(),
+            environment: environment.map(|(name, radiance, visible_to_camera)| {
+                Environment { name, radiance, visible_to_camera }
+            }),
+            settings,
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// What is written reads back as the same scene, to the last bit, in both syntaxes.
+    #[test]
+    fn what_is_written_reads_back_the_same(mut scene in scene()) {
+        // Validation drops the degenerate triangles that random ones contain.
+        let valid = validate(&mut scene);
+        prop_assert!(valid.is_ok(), "{:?}", valid);
+        let toml = to_toml(&scene);
+        let (read, notes) = parse(&toml).map_err(|e| TestCaseError::fail(format!("{e}\n{toml}")))?;
+        prop_assert!(notes.is_empty());
+        prop_assert!(same(&read, &scene), "{toml}\n{read:?}\n{scene:?}");
+        prop_assert_eq!(to_toml(&read), toml);
+        let json = to_json(&scene);
+        let (read, _) = parse(&json).map_err(|e| TestCaseError::fail(format!("{e}\n{json}")))?;
+        prop_assert!(same(&read, &scene), "{json}");
+    }
+}
+
+/// The message for each bad input, with its place in the text underlined.
+fn messages(cases: &[(&str, &str)]) -> String {
+    let mut out = String::new();
+    for (what, source) in cases {
+        out.push_str(&format!("# {what}\n"));
+        match parse(source) {
+            Ok(_) => out.push_str("read without an error\n"),
+            Err(e) => {
+                let line = source.lines().nth(e.line - 1).unwrap_or_default();
+                let width =
+                    source.get(e.span.clone()).map_or(0, |s| s.lines().next().unwrap_or("").chars().count());
+                let marks = format!("{}{}", " ".repeat(e.column - 1), "^".repeat(width.max(1)));
+                out.push_str(&format!("{:?} at `{}`\n{line}\n{marks}\n{e}\n", e.kind, e.place));
+            }
+        }
+        out.push('\n');
+    }
+    out
+}
+
+#[test]
+fn mistakes_in_toml_are_pointed_at() {
+    const HEAD: &str = "epsilux = 1\nmaterial.red = { diffuse = [1, 0, 0] }\n";
+    let cases = [
+        ("not TOML", "title = \"half\nepsilux = 1\n"),
+        ("a key twice", "epsilux = 1\nepsilux = 1\n"),
+        ("no mark", "title = \"a\"\n"),
+        ("no mark, and keys of another program", "[package]\nname = \"x\"\n"),
+        ("a later version", "epsilux = 2\nlayers = []\n"),
+        ("typo at the top", "epsilux = 1\ntitel = \"a\"\n"),
+        ("typo in a key", "epsilux = 1\n[[object]]\nmaterial = \"m\"\nsphere = { radus = 1 }\n"),
+        ("a key that is nothing like any", "epsilux = 1\n[render]\nwavelengths = 4\n"),
+        ("typo in a kind", "epsilux = 1\n[material]\nred = { difuse = [1, 0, 0] }\n"),
+        ("no kind", "epsilux = 1\n[material]\nred = {}\n"),
+        ("two kinds", "epsilux = 1\n[material]\nred = { diffuse = [1, 0, 0], mirror = [1, 1, 1] }\n"),
+        ("sides of a mirror", "epsilux = 1\n[material]\nm = { mirror = [1, 1, 1], sides = \"both\" }\n"),
+        ("typo in a word", "epsilux = 1\n[render]\ntone = \"agz\"\n"),
+        ("wrong type", "epsilux = 1\n[render]\nspp = \"many\"\n"),
+        ("a fraction where a count is meant", "epsilux = 1\n[render]\nspp = 1.5\n"),
+        ("a negative count", "epsilux = 1\n[render]\nsize = [-800, 800]\n"),
+        ("a colour of two channels", "epsilux = 1\n[material]\nred = { diffuse = [1, 0] }\n"),
+        ("not a colour", "epsilux = 1\n[material]\nred = { diffuse = 0.5 }\n"),
+        ("not a hex colour", "epsilux = 1\n[material]\nred = { diffuse = \"#12345é\" }\n"),
+        ("too hot", "epsilux = 1\n[material]\nred = { light = { kelvin = 1e6 } }\n"),
+        ("missing key", "epsilux = 1\n[[object]]\nmaterial = \"m\"\nbox = { size = [1, 1, 1] }\n"),
+        ("no material", "epsilux = 1\n\n[[object]]\nsphere = { radius = 1 }\n"),
+        ("unknown material", &format!("{HEAD}[[object]]\nmaterial = \"rad\"\nsphere = {{ radius = 1 }}\n")),
+        ("unknown mesh, none there", &format!("{HEAD}[[object]]\nmaterial = \"red\"\nmesh = \"tree\"\n")),
+        (
+            "unknown material of a wall",
+            &format!(
+                "{HEAD}[[object]]\n[object.prism]\ncorners = [[0, 0], [1, 0], [0, 1]]\nbottom = 0\ntop = 1\n\
+                 walls = [\"red\", \"\", \"blue\"]\n"
+            ),
+        ),
+        (
+            "too few walls",
+            &format!(
+                "{HEAD}[[object]]\nprism = {{ corners = [[0, 0], [1, 0], [0, 1]], bottom = 0, top = 1, walls = [\"red\"] }}\n"
+            ),
+        ),
+        (
+            "no area",
+            &format!(
+                "{HEAD}[[object]]\nmaterial = \"red\"\nrect = {{ corner = [0, 0, 0], edges = [[1, 0, 0], [2, 0, 0]] }}\n"
+            ),
+        ),
+        (
+            "negative radius",
+            &format!("{HEAD}[[object]]\nname = \"ball\"\nmaterial = \"red\"\nsphere = {{ radius = -1 }}\n"),
+        ),
+        (
+            "not finite",
+            &format!(
+                "{HEAD}[[object]]\nmaterial = \"red\"\nsphere = {{ center = [nan, 0, 0], radius = 1 }}\n"
+            ),
+        ),
+        (
+            "a shape that is flat",
+            &format!(
+                "{HEAD}[[object]]\nmaterial = \"red\"\nsphere = {{ radius = 1 }}\ntransform = {{ scale = [1, 0, 1] }}\n"
+            ),
+        ),
+        ("too bright a wall", "epsilux = 1\n[material.red]\ndiffuse = [1.2, 0, 0]\n"),
+        (
+            "an index too large",
+            &format!(
+                "{HEAD}[mesh.m]\npositions = [[0, 0, 0]]\ntriangles = [\n  [0, 0, 0],\n  [0, 1, 0],\n]\n"
+            ),
+        ),
+        (
+            "a camera without direction",
+            "epsilux = 1\n[camera.front]\neye = [1, 2, 3]\ntarget = [1, 2, 3]\nfov = 40\n",
+        ),
+        (
+            "a camera placed twice",
+            "epsilux = 1\n[camera]\na = { eye = [1, 2, 3], transform = { scale = 2 }, fov = 40 }\n",
+        ),
+        (
+            "a camera that sees everything",
+            "epsilux = 1\n[camera]\nfront = { eye = [1, 2, 3], target = [0, 0, 0], fov = 360 }\n",
+        ),
+        (
+            "a matrix with perspective",
+            "epsilux = 1\n[[light]]\npoint = { intensity = [1, 1, 1] }\ntransform = [1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1]\n",
+        ),
+        (
+            "a spot inside out",
+            "epsilux = 1\n[[light]]\nspot = { intensity = [1, 1, 1], inner = 40, outer = 30 }\n",
+        ),
+        (
+            "a light aimed twice",
+            "epsilux = 1\n[[light]]\nsun = { irradiance = [1, 1, 1] }\ndirection = [0, -1, 0]\ntarget = [0, 0, 0]\n",
+        ),
+        (
+            "a point after letters that take two bytes",
+            "epsilux = 1\nenvironment = { name = \"äöü\", radiance = [-1, 0, 0] }\n",
+        ),
+    ];
+    insta::assert_snapshot!(messages(&cases));
+}
+
+#[test]
+fn mistakes_in_json_are_pointed_at() {
+    let cases = [
+        ("not JSON", "{ \"epsilux\": 1,\n  \"title\" \"a\" }"),
+        ("cut off", "{ \"epsilux\": 1,"),
+        ("no mark", "{ \"asset\": { \"version\": \"2.0\" } }"),
+        ("a later version", "{ \"epsilux\": 7 }"),
+        ("typo in a key", "{ \"epsilux\": 1,\n  \"render\": { \"sppp\": 4 } }"),
+        ("wrong type", "{ \"epsilux\": 1,\n  \"render\": { \"spp\": true } }"),
+        (
+            "a name twice",
+            "{ \"epsilux\": 1,\n  \"camera\": {\n    \"a\": { \"fov\": 1 }, \"a\": { \"fov\": 1 } } }",
+        ),
+        ("a value", "{ \"epsilux\": 1,\n  \"material\": { \"m\": { \"mirror\": [0, 0, 2] } } }"),
+        (
+            "a missing camera target",
+            "{ \"epsilux\": 1, \"camera\": { \"a\": { \"eye\": [0, 0, 0], \"fov\": 9 } } }",
+        ),
+        (
+            "unknown material",
+            "{ \"epsilux\": 1, \"object\": [{ \"material\": \"m\",\n \"sphere\": { \"radius\": 1 } }] }",
+        ),
+    ];
+    insta::assert_snapshot!(messages(&cases));
+}
