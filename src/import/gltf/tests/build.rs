@@ -22,7 +22,7 @@ pub(super) fn uri(bytes: &[u8]) -> String {
 /// Positions of a unit square in the xy plane; its two triangles are 0 1 2 and 0 2 3.
 pub(super) const SQUARE: [f32; 12] = [0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.];
 
-/// One triangle strip-free mesh: a square with 16-bit indices, on one node.
+/// A square with 16-bit indices, on one node.
 pub(super) fn square() -> Value {
     let mut bytes = floats(&SQUARE);
     bytes.extend([0_u16, 1, 2, 0, 2, 3].iter().flat_map(|v| v.to_le_bytes()));
@@ -88,7 +88,7 @@ pub(super) fn glb(doc: &Value, bin: &[u8]) -> Vec<u8> {
     let mut json = serde_json::to_vec(doc).unwrap();
     json.resize(json.len().next_multiple_of(4), b' ');
     let mut out = b"glTF".to_vec();
-    let mut word = |out: &mut Vec<u8>, n: usize| out.extend((n as u32).to_le_bytes());
+    let word = |out: &mut Vec<u8>, n: usize| out.extend((n as u32).to_le_bytes());
     word(&mut out, 2);
     word(&mut out, 12 + 8 + json.len() + 8 + bin.len());
     word(&mut out, json.len());

@@ -107,7 +107,7 @@ fn impossible_lights_are_clamped() {
     ]);
     let options = ReadOptions { light_units: LightUnits::Unitless, ..ReadOptions::default() };
     insta::assert_snapshot!(lines(&read_as(&doc, &options).unwrap().1), @r#"
-    value-clamped (Differs) extensions.KHR_lights_punctual.lights[0]: Rgb { r: -1.0, g: -1.0, b: -1.0 } is no intensity: taken as Rgb { r: 0.0, g: 0.0, b: 0.0 }
+    value-clamped (Differs) extensions.KHR_lights_punctual.lights[0]: [-1.0, -1.0, -1.0] is no intensity: taken as [0.0, 0.0, 0.0]
     value-clamped (Differs) extensions.KHR_lights_punctual.lights[0].spot: cone angles 2 and 1.600000023841858: taken as 1.5707963267948966 and 1.5707963267948966
     "#);
 }

@@ -105,7 +105,7 @@ fn what_is_not_rendered_is_said() {
     texture-ignored (Missing) materials[0].pbrMetallicRoughness.baseColorTexture: textures are not rendered yet: the factor alone is used
     alpha-ignored (Missing) materials[0].alphaMode: cut-outs are not rendered yet: the surface is opaque
     texture-ignored (Missing) materials[0].emissiveTexture: textures are not rendered yet: the surface does not emit
-    value-clamped (Differs) materials[0].extensions.KHR_materials_volume.attenuationColor: Rgb { r: 0.0, g: 1.0, b: 1.0 }: taken as Rgb { r: 1e-6, g: 1.0, b: 1.0 }
+    value-clamped (Differs) materials[0].extensions.KHR_materials_volume.attenuationColor: [0.0, 1.0, 1.0]: taken as [1e-6, 1.0, 1.0]
     "#);
     insta::assert_snapshot!(material(BLENDER, json!({"name": "Noise", "doubleSided": true})).1, @r#"
     material-lost (Missing) materials[0]: a material without any property: Blender writes it where the nodes hold no Principled BSDF, and it shows as white metal
