@@ -15,9 +15,12 @@ pub mod import;
 pub mod integrate;
 pub mod light;
 pub mod math;
+pub mod output;
 pub mod prepare;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod shape;
+pub mod stats;
 
 pub use glam;

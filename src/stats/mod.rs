@@ -1,0 +1,12 @@
+//! Numbers about numbers: distributions, tests, errors of images.
+//!
+//! In: plain numbers and pixels. Out: probabilities, verdicts' ingredients and error measures. Sources
+//! are named at each function. Probabilities serve reports and tests; none reaches an image.
+
+mod distributions;
+mod error;
+mod moments;
+
+pub use distributions::{normal_cdf, normal_quantile, sidak, student_two_sided, two_sided};
+pub use error::{relative_error, relative_mse, root_mean_square_error};
+pub use moments::{Moments, Welch, welch};
