@@ -1,7 +1,7 @@
 //! Light on a white diffuse point: squares (O04, O05), a disk (O06), spheres (O07), and lights without
 //! extent. The point's radiance is the irradiance over pi; the list has irradiances.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_4, PI};
 
 use epsilux::color::Rgb;
 use epsilux::glam::{DAffine3, DVec3};
@@ -22,7 +22,7 @@ pub(super) fn cases() -> Vec<Case> {
                 .samples(2_000_000),
             square("O04 c", 0.01 * DVec3::Z, 0.0).listed_irradiance(3.140_564_683),
             square("O04 d", aside, 30.0).listed_irradiance(0.673_495_767),
-            square("O04 e", aside, 90.0).listed_irradiance(0.159_242_507).samples(2_000_000),
+            square("O04 e", aside, 90.0).listed_irradiance(0.159_242_507).samples(4_000_000),
         ]);
     }
     let listed =
@@ -31,11 +31,11 @@ pub(super) fn cases() -> Vec<Case> {
         let case = square(&format!("O05 distance {d}"), d * DVec3::Z, 0.0, true);
         let scaled = case.expected * PI * d * d;
         assert!((scaled - value).abs() < 1e-8, "{}: {scaled} is listed as {value}", case.id);
-        cases.push(case.samples(if d < 10.0 { 5_000_000 } else { 0 }));
+        cases.push(case.samples(if d < 10.0 { 8_000_000 } else { 0 }));
     }
     cases.extend([
         disk().listed_irradiance(0.628_318_531),
-        sphere("O07 a", 0.5, 1.0, 0.0).listed_irradiance(0.785_398_163),
+        sphere("O07 a", 0.5, 1.0, 0.0).listed_irradiance(FRAC_PI_4),
         sphere("O07 b", 0.5, 1.0, 45.0).listed_irradiance(0.555_360_367).samples(1_000_000),
         sphere("O07 c", 0.5, 1.0, 80.0).listed_irradiance(0.171_831_975).samples(2_000_000),
         sphere("O07 d", 0.5, 1.0, 90.0).listed_irradiance(0.090_586_074).samples(4_000_000),

@@ -12,9 +12,13 @@ pub(super) fn cases() -> Vec<Case> {
     cases.extend(listed.map(|(depth, value)| room("O02", false, 0.5, Some(depth)).listed(value)));
     cases.extend([room("O02 cube", true, 0.5, None), room("O02 cube", true, 0.9, None)]);
     cases.extend([
-        shell("O03 a", 1.0, 0.1, 10.0, 0.8, 0.0).listed(0.384_615_385).depth(60).samples(1_000_000),
+        shell("O03 a", 1.0, 0.1, 10.0, 0.8, 0.0)
+            .listed(0.384_615_385)
+            .depth(60)
+            .tolerance(0.01)
+            .samples(300_000),
         shell("O03 b", 1.0, 0.01, 1000.0, 0.5, 0.0).listed(0.099_990_001).samples(0),
-        shell("O03 c", 1.0, 0.5, 1.0, 0.5, 0.3).listed(0.212_765_957).samples(200_000),
+        shell("O03 c", 1.0, 0.5, 1.0, 0.5, 0.3).listed(0.212_765_957).depth(50).samples(200_000),
         shell("O03 d", 1e4, 100.0, 1e4, 0.8, 0.0).listed(3.998_400_640).samples(0),
     ]);
     cases.push(
