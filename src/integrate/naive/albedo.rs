@@ -108,7 +108,7 @@ fn refine(a: [f64; 2], b: [f64; 2], at: &impl Fn(f64) -> [f64; 2], level: u32, o
     }
 }
 
-/// Twice the average over the hemisphere of the Fresnel reflectance, weighted with the cosine.
+/// The average over the hemisphere of the Fresnel reflectance, weighted with the cosine.
 pub(super) fn average_fresnel(eta: f64) -> f64 {
     gauss(256).iter().map(|[mu, w]| 2.0 * w * mu * fresnel::exact(*mu, eta)).sum()
 }

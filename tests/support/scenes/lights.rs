@@ -132,9 +132,7 @@ fn spot_light(falloff: SpotFalloff) -> Case {
     receiver(format!("spot light {falloff:?}"), scene, 0.0, factor).samples(1)
 }
 
-/// Irradiance times the cosine, whatever the angle of the disk, while all of it is above the horizon:
-/// the mean cosine over the disk is that of its middle times (1 + cos(half angle)) / 2 per solid angle,
-/// which is what the definition of the irradiance divides by.
+/// Irradiance times the cosine, whatever the angle of the disk, while all of it is above the horizon.
 fn sun(angle: f64) -> Case {
     let mut scene = Scene::default();
     scene.light(LightKind::Sun { irradiance: Rgb::grey(2.0), angle }, facing(DVec3::ZERO, DVec3::Z));
