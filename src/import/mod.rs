@@ -91,3 +91,86 @@ fn read_file(path: &Path, options: &ReadOptions) -> Result<(Scene, Vec<Note>), F
         help: "convert it to glTF".into(),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// Content comes before suffix, and what cannot be read is refused with what can.
+    #[test]
+    fn files_are_told_apart_and_refused_by_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let glb = include_bytes!("../../fixtures/blender/still-life.glb");
+        let files: [(&str, &[u8]); 8] = [
+            ("misnamed.blend", glb),
+            ("misnamed.gltf", glb),
+            ("cut.glb", &glb[..1000]),
+            ("text.glb", b"hello, this is text"),
+            ("empty.glb", b""),
+            ("scene.blend", b"BLENDER"),
+            ("scene", b"?"),
+            ("empty.gltf", b""),
+        ];
+        let mut said = String::new();
+        for (name, content) in files {
+            let path = dir.path().join(name);
+            fs::write(&path, content).unwrap();
+            let line = match read(&path, &ReadOptions::default()) {
+                Ok((scene, _)) => format!("{name}: {} objects", scene.objects.len()),
+                Err(e) => e.to_string().replace(&*dir.path().to_string_lossy(), "DIR"),
+            };
+            said += &(line + "\n");
+        }
+        for name in ["missing.glb", "folder.glb"] {
+            fs::create_dir_all(dir.path().join("folder.glb")).unwrap();
+            let e = read(&dir.path().join(name), &ReadOptions::default()).unwrap_err();
+            said += &(e.to_string().replace(&*dir.path().to_string_lossy(), "DIR") + "\n");
+        }
+        insta::assert_snapshot!(said, @r#"
+        misnamed.blend: 19 objects
+        misnamed.gltf: 19 objects
+        DIR/cut.glb: header.length: found 255788, though the file has 1000 bytes, expected the length of the file (is it truncated?)
+        DIR/text.glb: header.magic: found [68, 65, 6c, 6c], expected "glTF"
+        DIR/empty.glb: header: found 0 bytes, expected at least 12
+        DIR/scene.blend: suffix: .blend is not supported; readable are .gltf and .glb (glTF 2.0), and .toml and .json with the key `epsilux`
+        DIR/scene: suffix: a file without a suffix is not supported; readable are .gltf and .glb (glTF 2.0), and .toml and .json with the key `epsilux`
+        DIR/empty.gltf: line 1 column 0 of the JSON text: found a fault (EOF while parsing a value), expected JSON
+        DIR/missing.glb: no such file
+        DIR/folder.glb: found a folder, expected a file
+        "#);
+    }
+
+    /// A pipe would wait for its writer for ever, and a device may never end.
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_refused_before_they_are_opened() {
+        let dir = tempfile::tempdir().unwrap();
+        let pipe = dir.path().join("pipe.glb");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.is_ok_and(|s| s.success()));
+        for path in [&*pipe, Path::new("/dev/zero")] {
+            let error = read(path, &ReadOptions::default()).unwrap_err().to_string();
+            assert!(error.ends_with("expected a regular file"), "{error}");
+        }
+    }
+
+    /// Buffers may lie in files beside the scene, with %-escapes in their names.
+    #[test]
+    fn external_buffers_are_read() {
+        let dir = tempfile::tempdir().unwrap();
+        let text = r#"{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "buffers": [{"byteLength": 36, "uri": "data/a%20b.bin"}]}"#;
+        let path = dir.path().join("scene.gltf");
+        fs::write(&path, text).unwrap();
+        let missing = read(&path, &ReadOptions::default()).unwrap_err().to_string();
+        assert!(missing.ends_with("data/a b.bin: no such file (buffers[0].uri names it)"), "{missing}");
+        fs::create_dir(dir.path().join("data")).unwrap();
+        fs::write(dir.path().join("data/a b.bin"), [1; 36]).unwrap();
+        assert_eq!(read(&path, &ReadOptions::default()).unwrap().0.objects.len(), 1);
+    }
+}

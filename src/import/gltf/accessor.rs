@@ -164,7 +164,7 @@ impl<'a> Reader<'a> {
         let Checked::Valid(kind) = sparse.indices.component_type else {
             return Err(Fault::invalid(
                 format!("{place}.indices.componentType"),
-                "another",
+                "an unknown value",
                 "5121, 5123 or 5125",
             ));
         };
@@ -255,7 +255,11 @@ pub(super) fn get<'t, T>(list: &'t [T], index: usize, place: &str) -> Result<&'t
 /// Component type and number of components; matrices are never read.
 fn layout(accessor: &json::Accessor, place: &str) -> Result<(ComponentType, usize), Fault> {
     let Checked::Valid(component) = accessor.component_type else {
-        return Err(Fault::invalid(format!("{place}.componentType"), "another", "5120 to 5126 without 5124"));
+        return Err(Fault::invalid(
+            format!("{place}.componentType"),
+            "an unknown value",
+            "5120 to 5126 without 5124",
+        ));
     };
     match accessor.type_ {
         Checked::Valid(t @ (Type::Scalar | Type::Vec2 | Type::Vec3 | Type::Vec4)) => {

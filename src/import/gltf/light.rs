@@ -44,7 +44,11 @@ impl Lights {
         notes: &mut Notes,
     ) -> Result<Light, Fault> {
         let Checked::Valid(kind) = light.type_ else {
-            return Err(Fault::invalid(format!("{place}.type"), "another", "directional, point or spot"));
+            return Err(Fault::invalid(
+                format!("{place}.type"),
+                "an unknown value",
+                "directional, point or spot",
+            ));
         };
         self.note_units(notes);
         if light.range.is_some() {
@@ -61,7 +65,8 @@ impl Lights {
         let power = Rgb::from(light.color) * strength;
         let clamped = power.map(|v| if v.is_finite() { v.max(0.0) } else { 0.0 });
         if clamped != power {
-            let message = format!("{power:?} is no intensity: taken as {clamped:?}");
+            let message =
+                format!("{:?} is no intensity: taken as {:?}", power.to_array(), clamped.to_array());
             notes.add("value-clamped", NoteEffect::Differs, place, message);
         }
         let (intensity, radius) = (clamped, 0.0);

@@ -55,7 +55,7 @@ pub(super) fn convert(doc: &Document, index: usize, notes: &mut Notes) -> Materi
         emission = Rgb::BLACK;
     }
     if !emission.is_finite() {
-        emission = from.clamped("emissiveFactor", "an infinite emission", Rgb::BLACK);
+        emission = from.clamped("emissiveFactor", "an infinite emission", [0.0; 3]).into();
     }
     let transmission = extensions.transmission.unwrap_or_default();
     let at = "extensions.KHR_materials_transmission";
@@ -148,7 +148,7 @@ impl Factors<'_> {
     fn color(&mut self, key: &str, value: [f32; 3], max: f32) -> Rgb {
         let color = Rgb::from(value);
         let good = color.map(|v| v.clamp(0.0, max));
-        if good == color { color } else { self.clamped(key, &format!("{color:?}"), good) }
+        if good == color { color } else { self.clamped(key, &format!("{value:?}"), good.to_array()).into() }
     }
 
     /// Absorption, where the inside absorbs anything.
@@ -157,14 +157,16 @@ impl Factors<'_> {
             return None;
         }
         if distance <= 0.0 {
-            let key = format!("{at}.attenuationDistance");
-            return self.clamped(&key, &distance.to_string(), None);
+            let (key, none) = (format!("{at}.attenuationDistance"), f32::INFINITY);
+            self.clamped(&key, &distance.to_string(), none);
+            return None;
         }
         // Zero would be an infinite coefficient, and infinity times a path of length zero is no number.
         let least = 1e-6;
         let color = if color.min_channel() < least {
             let key = format!("{at}.attenuationColor");
-            self.clamped(&key, &format!("{color:?}"), color.map(|v| v.max(least)))
+            let least = color.map(|v| v.max(least)).to_array();
+            self.clamped(&key, &format!("{:?}", color.to_array()), least).into()
         } else {
             color
         };

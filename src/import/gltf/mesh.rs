@@ -36,7 +36,7 @@ impl Meshes {
         notes: &mut Notes,
     ) -> Result<Option<MeshId>, Fault> {
         let Checked::Valid(mode) = primitive.mode else {
-            return Err(Fault::invalid(format!("{place}.mode"), "another", "0 to 6"));
+            return Err(Fault::invalid(format!("{place}.mode"), "an unknown value", "0 to 6"));
         };
         let attribute = |s| primitive.attributes.get(&Checked::Valid(s)).map(|i| i.value());
         let key = vec![

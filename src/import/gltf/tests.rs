@@ -1,1 +1,9 @@
+//! Files in, scenes and messages out: one case per feature, then hostile files.
 
+mod build;
+mod cameras_lights;
+mod geometry;
+mod hostile;
+mod materials;
+mod nodes;
+mod still_life;

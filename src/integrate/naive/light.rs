@@ -132,7 +132,7 @@ impl Lights {
         }
         if let Some(environment) = &self.environment
             && length.is_infinite()
-            && !(from_camera && !environment.visible_to_camera)
+            && (!from_camera || environment.visible_to_camera)
         {
             sum += transmittance(medium, length) * rgb(environment.radiance);
         }

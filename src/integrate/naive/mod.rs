@@ -35,7 +35,7 @@
 //! it crosses; the sun's disk and the environment are seen where nothing is hit. Camera rays (depth 0)
 //! see neither lights, environment nor objects whose `visible_to_camera` is false; all other rays do.
 //!
-//! Materials: [`material`] and [`principled`] state theirs.
+//! *Materials*: the files `material.rs` and `principled.rs` state theirs.
 
 mod albedo;
 mod camera;
@@ -176,4 +176,120 @@ fn pixel(tracer: &Tracer, camera: &Camera, options: &ReferenceOptions, at: [u32;
 /// A colour of the scene, to compute with.
 fn rgb(color: Rgb) -> DVec3 {
     DVec3::new(f64::from(color.r), f64::from(color.g), f64::from(color.b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{
+        AreaShape, Environment, FovAxis, Light, LightKind, Material, MaterialId, MaterialKind, Object,
+        Projection, Shape,
+    };
+    use glam::DAffine3;
+
+    /// A white ball under a grey sky, in front of a camera.
+    fn ball() -> Scene {
+        let kind = MaterialKind::Diffuse { color: Rgb::grey(0.5) };
+        Scene {
+            materials: vec![Material { name: "white".into(), kind }],
+            objects: vec![Object {
+                name: "ball".into(),
+                shape: Shape::Sphere { radius: 1.0 },
+                material: MaterialId(0),
+                transform: DAffine3::from_translation(DVec3::new(0.5, 0.0, -4.0)),
+                visible_to_camera: true,
+            }],
+            cameras: vec![Camera {
+                name: "front".into(),
+                transform: DAffine3::IDENTITY,
+                projection: Projection::Perspective { fov: 1.0, axis: FovAxis::Horizontal },
+                shift: [0.0; 2],
+                lens: None,
+                aspect: None,
+            }],
+            environment: Some(Environment {
+                name: "sky".into(),
+                radiance: Rgb::new(0.2, 0.4, 0.8),
+                visible_to_camera: true,
+            }),
+            ..Scene::default()
+        }
+    }
+
+    fn options() -> ReferenceOptions {
+        let size = [12, 8];
+        ReferenceOptions { camera: 0, size, crop: None, spp: 8, seed: 3, max_depth: None, threads: 1 }
+    }
+
+    fn render(scene: &Scene, options: &ReferenceOptions) -> Image {
+        reference(scene, options, &|| false, &|_| ()).expect("the options fit the scene")
+    }
+
+    /// Guards repeatability: threads change nothing, and a crop is that part of the whole picture.
+    #[test]
+    fn threads_and_crops_change_no_pixel() {
+        let whole = render(&ball(), &options());
+        assert_eq!(whole, render(&ball(), &ReferenceOptions { threads: 3, ..options() }));
+        assert_ne!(whole, render(&ball(), &ReferenceOptions { seed: 4, ..options() }));
+        let part = render(&ball(), &ReferenceOptions { crop: Some([5, 2, 4, 3]), ..options() });
+        assert_eq!((part.width, part.height, part.origin, part.full_size), (4, 3, [5, 2], [12, 8]));
+        for y in 0..3 {
+            let row = (y + 2) * 12 + 5;
+            assert_eq!(part.rgb[y * 4..][..4], whole.rgb[row..][..4]);
+        }
+    }
+
+    /// Guards the errors, and what is left of a picture that is cancelled.
+    #[test]
+    fn refusals_and_cancellation() {
+        let refuse = |options| reference(&ball(), &options, &|| false, &|_| ()).unwrap_err().to_string();
+        insta::assert_snapshot!(
+            refuse(ReferenceOptions { camera: 1, ..options() }),
+            @"the scene has 1 cameras, and number 1 was asked for"
+        );
+        insta::assert_snapshot!(
+            refuse(ReferenceOptions { crop: Some([10, 0, 3, u32::MAX]), ..options() }),
+            @"the crop [10, 0, 3, 4294967295] (left, top, width, height) is not inside a picture of [12, 8] pixels"
+        );
+        let cancelled = reference(&ball(), &options(), &|| true, &|_| ()).expect("an empty picture");
+        assert_eq!(cancelled.count, Some(vec![0; 96]));
+    }
+
+    /// Guards what camera rays may not see: the mean of the picture tells which of object, sky and light
+    /// is there. The camera is inside a hidden white shell, lit by a hidden light.
+    #[test]
+    fn hidden_from_the_camera_but_not_from_the_rest() {
+        let radiance_at_the_middle = |scene: &Scene| {
+            let ray = Ray::new(DVec3::ZERO, DVec3::new(0.1, 0.0, -1.0));
+            Tracer::new(scene).estimate(ray, None, 1000, 1).mean
+        };
+        let mut scene = ball();
+        // All of the sky, halved by the ball.
+        let seen = radiance_at_the_middle(&scene);
+        assert!((seen[0] - 0.1).abs() < 1e-6 && (seen[2] - 0.4).abs() < 1e-6, "{seen:?}");
+        // The ball is hidden: the sky itself.
+        scene.objects[0].visible_to_camera = false;
+        let seen = radiance_at_the_middle(&scene);
+        assert!((seen[0] - 0.2).abs() < 1e-6, "{seen:?}");
+        // The sky is hidden too: nothing.
+        if let Some(sky) = &mut scene.environment {
+            sky.visible_to_camera = false;
+        }
+        assert_eq!(radiance_at_the_middle(&scene), [0.0; 3]);
+        // The ball is back, and reflects the sky that the camera does not see.
+        scene.objects[0].visible_to_camera = true;
+        assert!((radiance_at_the_middle(&scene)[0] - 0.1).abs() < 1e-6);
+        // A huge area light between camera and ball, shining at the ball: its back is black, and its
+        // front, which covers nearly all that the ball's front sees, adds to the sky.
+        let kind = LightKind::Area { shape: AreaShape::Rectangle, size: [1e6; 2], radiance: Rgb::WHITE };
+        let transform = DAffine3::from_translation(DVec3::new(0.0, 0.0, -2.0));
+        scene.lights.push(Light { name: "sheet".into(), kind, transform, visible_to_camera: true });
+        let lit = radiance_at_the_middle(&scene)[0];
+        assert!(lit > 0.5 && lit < 0.6, "{lit}");
+        // Turned round, it shines at the camera, which sees it in front of the ball, if it may.
+        scene.lights[0].transform *= DAffine3::from_rotation_y(std::f64::consts::PI);
+        assert!((radiance_at_the_middle(&scene)[0] - 1.1).abs() < 1e-6);
+        scene.lights[0].visible_to_camera = false;
+        assert!((radiance_at_the_middle(&scene)[0] - 0.1).abs() < 1e-6);
+    }
 }

@@ -21,8 +21,8 @@
 //! * `f_trans`, thin: both faces at once, F = 2F/(1+F); transmission is the reflection lobe mirrored
 //!   through the surface with (1-F) tint; both divided by E.
 //!
-//! Directions: a mixture of the cosine hemisphere and of half vectors drawn from D, on each side that
-//! the material scatters to, with the density of the whole mixture.
+//! Directions: a mixture of the cosine hemisphere, on each side that the material scatters to, and of
+//! half vectors drawn from D, to reflect at or to pass; the density is that of the whole mixture.
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -79,10 +79,12 @@ struct Rough {
 
 /// How likely each way to draw a direction is; need not sum to one.
 struct Mixture {
-    cosine: f64,
+    /// Cosine hemisphere on the side of `wo`, and on the other.
+    cosine: [f64; 2],
+    /// A half vector, to reflect at.
     reflect: f64,
-    cosine_below: f64,
-    transmit: f64,
+    /// A half vector, to reflect at with the probability that Fresnel gives, and else to pass.
+    split: f64,
 }
 
 impl Principled {
@@ -245,32 +247,35 @@ impl Principled {
         let [metal, trans, layered] = self.shares();
         let diffuse = layered * self.base.max_element();
         if self.rough.is_none() {
-            return Mixture { cosine: diffuse, reflect: 0.0, cosine_below: 0.0, transmit: 0.0 };
+            return Mixture { cosine: [diffuse, 0.0], reflect: 0.0, split: 0.0 };
         }
         let trans = if !self.thin && self.ior == 1.0 { 0.0 } else { trans };
         let layer = if self.layer.f0 > 0.0 { 0.5 * layered } else { 0.0 };
-        let reflect = metal + layer + 0.5 * trans;
-        Mixture { cosine: diffuse + 0.1 * reflect, reflect, cosine_below: 0.1 * trans, transmit: trans }
+        let reflect = metal + layer;
+        let split = trans;
+        // A little of the hemisphere bounds the weights; more would thin out long paths inside glass.
+        let cosine = [diffuse + 0.02 * (reflect + split), 0.02 * split];
+        Mixture { cosine, reflect, split }
     }
 
     /// A direction from the mixture; none where what was drawn leads nowhere.
     fn draw(&self, mixture: &Mixture, wo: DVec3, front: bool, rng: &mut Rng) -> Option<DVec3> {
         let below = |w: DVec3| DVec3::new(w.x, w.y, -w.z);
         let mut u = rng.uniform() * mixture.total();
-        if u < mixture.cosine {
+        if u < mixture.cosine[0] {
             return Some(cosine_hemisphere(rng));
         }
-        u -= mixture.cosine;
-        if u < mixture.cosine_below {
+        u -= mixture.cosine[0];
+        if u < mixture.cosine[1] {
             return Some(below(cosine_hemisphere(rng)));
         }
-        u -= mixture.cosine_below;
+        u -= mixture.cosine[1];
         let h = self.rough.as_ref()?.ggx.sample(rng);
         if wo.dot(h) <= 0.0 {
             return None;
         }
         let mirrored = Some(reflect(wo, h)).filter(|wi| wi.z > 0.0);
-        if u < mixture.reflect {
+        if u < mixture.reflect || rng.uniform() < self.split_reflects(wo.dot(h), front) {
             mirrored
         } else if self.thin {
             mirrored.map(below)
@@ -279,21 +284,32 @@ impl Principled {
         }
     }
 
+    /// Reflectance of the transmissive lobe at a half vector.
+    fn split_reflects(&self, cos: f64, front: bool) -> f64 {
+        if self.thin { self.sheet(cos) } else { fresnel::exact(cos, self.eta(front)) }
+    }
+
     /// Density of [`Principled::draw`], per solid angle.
     fn pdf(&self, mixture: &Mixture, wo: DVec3, wi: DVec3, front: bool) -> f64 {
         let up = DVec3::new(wi.x, wi.y, wi.z.abs());
-        let (cosine, half_vector, mirrors) = if wi.z > 0.0 {
-            (mixture.cosine, mixture.reflect, true)
-        } else {
-            (mixture.cosine_below, mixture.transmit, self.thin)
-        };
-        let mut pdf = cosine * up.z * FRAC_1_PI;
+        let mut pdf = mixture.cosine[usize::from(wi.z < 0.0)] * up.z * FRAC_1_PI;
         if let Some(rough) = &self.rough {
-            if mirrors {
-                let h = (wo + up).normalize();
-                pdf += half_vector * rough.ggx.pdf(h) / (4.0 * wo.dot(h));
-            } else if let Some((h, jacobian)) = refracting_half_vector(wo, wi, self.eta(front)) {
-                pdf += half_vector * rough.ggx.pdf(h) * jacobian;
+            // The half vector, |d h / d wi|, and how often it is used in this way.
+            let h = (wo + up).normalize();
+            let mirrored = (h, 0.25 / wo.dot(h));
+            let reflects = self.split_reflects(wo.dot(h), front);
+            let way = if wi.z > 0.0 {
+                Some((mirrored, mixture.reflect + mixture.split * reflects))
+            } else if self.thin {
+                Some((mirrored, mixture.split * (1.0 - reflects)))
+            } else {
+                refracting_half_vector(wo, wi, self.eta(front)).map(|(h, jacobian)| {
+                    let passes = 1.0 - self.split_reflects(wo.dot(h), front);
+                    ((h, jacobian), mixture.split * passes)
+                })
+            };
+            if let Some(((h, jacobian), share)) = way {
+                pdf += share * rough.ggx.pdf(h) * jacobian;
             }
         }
         pdf / mixture.total()
@@ -302,7 +318,7 @@ impl Principled {
 
 impl Mixture {
     fn total(&self) -> f64 {
-        self.cosine + self.reflect + self.cosine_below + self.transmit
+        self.cosine[0] + self.cosine[1] + self.reflect + self.split
     }
 }
 
@@ -342,4 +358,39 @@ fn refracting_half_vector(wo: DVec3, wi: DVec3, eta: f64) -> Option<(DVec3, f64)
     }
     let denominator = cos_o + eta * cos_i;
     Some((h, eta * eta * -cos_i / (denominator * denominator)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Guards sampling, value and albedo of the dielectric lobes together: light that arrives is
+    /// reflected or transmitted, all of it, from both sides and at every angle.
+    #[test]
+    fn one_interaction_keeps_energy() {
+        for (roughness, thin) in [(0.1, false), (0.3, false), (0.6, false), (1.0, false), (0.5, true)] {
+            let p = scene::Principled { roughness, thin, transmission: 1.0, ..Default::default() };
+            let p = Principled::new(&p, &mut Curves::default());
+            for front in [true, false] {
+                let squeeze = if thin { 1.0 } else { p.eta(front) * p.eta(front) };
+                for mu in [1.0f64, 0.8, 0.5, 0.2, 0.05] {
+                    let wo = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
+                    let mut moments = super::super::path::Moments::default();
+                    let mut rng = Rng::new(7, 0, 0);
+                    for _ in 0..30_000 {
+                        let next = p.sample(wo, front, &mut rng);
+                        moments.add(next.map_or(DVec3::ZERO, |s| {
+                            if s.wi.z < 0.0 { s.weight * squeeze } else { s.weight }
+                        }));
+                    }
+                    let (mean, error) = (moments.mean.x, moments.variance_of_mean().x.sqrt());
+                    let difference = (mean - 1.0).abs();
+                    assert!(
+                        difference <= 4.5 * error && error < 0.02,
+                        "roughness {roughness} thin {thin} front {front} mu {mu}: {mean} +- {error}"
+                    );
+                }
+            }
+        }
+    }
 }
