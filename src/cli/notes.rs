@@ -17,11 +17,13 @@ pub(super) struct NoteJson<'a> {
 
 /// Notes as JSON has them.
 pub(super) fn json(notes: &[Note]) -> Vec<NoteJson<'_>> {
-    let one = |n| {
-        let Note { code, place, message, effect } = n;
-        NoteJson { code, place, message, effect: effect_name(*effect) }
-    };
-    notes.iter().map(one).collect()
+    notes.iter().map(NoteJson::from).collect()
+}
+
+impl<'a> From<&'a Note> for NoteJson<'a> {
+    fn from(n: &'a Note) -> Self {
+        Self { code: n.code, place: &n.place, message: &n.message, effect: effect_name(n.effect) }
+    }
 }
 
 /// What a note means for the picture, in a word.
