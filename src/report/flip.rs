@@ -293,7 +293,7 @@ mod tests {
         }
     }
 
-    /// The values that the authors' own program (flip-evaluator 1.x, low dynamic range, 67 pixels per
+    /// The values that the authors' own program (flip-evaluator 1.7, low dynamic range, 67 pixels per
     /// degree) gives for the same two pictures: mean, two corners, the middle, and a pixel near a border.
     #[test]
     fn agrees_with_the_authors_program() {

@@ -3,6 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+/// A scene in which nothing shines.
+pub(crate) const DARK: &str = "epsilux = 1
+[material]
+grey = { diffuse = [0.5, 0.5, 0.5] }
+[[object]]
+name = \"ball\"
+material = \"grey\"
+sphere = { radius = 1 }
+";
+
 /// A folder in which commands run; it vanishes with the test.
 pub(crate) struct Folder(tempfile::TempDir);
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::command::Folder;
+use crate::command::{DARK, Folder};
 
 /// Every mistake says what was found, where, and what was expected, and ends in the code that the help
 /// lists. Nothing is written.
@@ -16,7 +16,8 @@ fn mistakes_are_explained() {
     folder.write("material.toml", room.replace("material = \"orange\"", "material = \"ornage\""));
     folder.write("cut.glb", b"glTF\x02\0\0\0\xff\0\0\0\x10\0\0\0JSON{");
     folder.write("needs.gltf", r#"{"asset":{"version":"2.0"},"extensionsRequired":["VENDOR_unheard_of"]}"#);
-    folder.write("dark.toml", "epsilux = 1\n[[object]]\nname = \"ball\"\nsphere = { radius = 1 }\n");
+    folder.write("dark.toml", DARK);
+    folder.write("room.blend", "BLENDER-v500");
     folder.write("bytes.toml", b"\xff\xfe");
     folder.write("text.png", "no picture");
     let before = folder.names();

@@ -3,7 +3,7 @@
 use epsilux::output::read_exr;
 use serde_json::Value;
 
-use crate::command::Folder;
+use crate::command::{DARK, Folder};
 
 const SMALL: &str = "render room.toml --size 40x30 --spp 8";
 
@@ -98,7 +98,7 @@ fn progress_as_json() {
 #[test]
 fn a_scene_without_light() {
     let folder = Folder::new();
-    folder.write("dark.toml", "epsilux = 1\n[[object]]\nname = \"ball\"\nsphere = { radius = 1 }\n");
+    folder.write("dark.toml", DARK);
     let said = folder.done("render dark.toml --size 16x16 --spp 4");
     insta::assert_snapshot!(
         said.err.lines().take_while(|l| l.starts_with("note")).collect::<Vec<_>>().join("\n")
