@@ -133,6 +133,9 @@ mod tests {
         // Thinner than any relative tolerance in single precision would tell apart.
         check([0.0; 3], [1.0, 0.0, 0.0], [2.0, 1e-30, 0.0], false);
         check([0.0; 3], [1e-20, 0.0, 0.0], [0.0, 1e-20, 0.0], false);
+        // The two products of this one round to the same double; only their errors differ.
+        let (ulp, tiny) = (f32::EPSILON, f32::EPSILON / 512.0);
+        check([tiny, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0 + 2.0 * ulp, 0.5 + ulp, 0.0], false);
         check([16_777_216.0, 16_777_215.0, 0.0], [0.0; 3], [16_777_215.0, 16_777_214.0, 0.0], false);
     }
 

@@ -18,9 +18,9 @@ pub struct TextError {
     /// What was found.
     pub message: String,
     /// What would have been right, where there is more to say than the message does.
-    pub expected: Option<String>,
+    pub expected: Option<Box<str>>,
     /// The valid name nearest to the one that was found.
-    pub nearest: Option<String>,
+    pub nearest: Option<Box<str>>,
     /// Path of keys, such as `object[3].sphere.radius`; empty where only the position is known.
     pub place: String,
     /// Line, from one.
@@ -76,8 +76,8 @@ impl TextError {
             span,
             kind: fault.kind,
             message: fault.message,
-            expected: fault.expected,
-            nearest: fault.nearest,
+            expected: fault.expected.map(String::into_boxed_str),
+            nearest: fault.nearest.map(String::into_boxed_str),
             place: fault.place.to_string(),
         }
     }

@@ -89,7 +89,7 @@ impl Place {
                 (Some(Step::Key(key)), DeValue::Table(table)) => {
                     table.iter().find(|(k, _)| k.get_ref() == key).map(|(_, v)| v)
                 }
-                (Some(Step::Index(i)), DeValue::Array(array)) => array.iter().nth(*i),
+                (Some(Step::Index(i)), DeValue::Array(array)) => array.get(*i),
                 _ => None,
             };
             match next {
