@@ -76,13 +76,12 @@ fn see(shear: &Shear, packet: &Packet) -> Seen {
     let [sx, sy, _] = shear.s;
     let (ox, oy, oz) = (shear.o[x], shear.o[y], shear.o[z]);
     let mut p = [[[0.0f32; 8]; 3]; 3];
-    for k in 0..3 {
-        let v = &packet.v[k];
+    for (p, v) in p.iter_mut().zip(&packet.v) {
         for lane in 0..8 {
             let az = v[z][lane] - oz;
-            p[k][0][lane] = v[x][lane] - ox - sx * az;
-            p[k][1][lane] = v[y][lane] - oy - sy * az;
-            p[k][2][lane] = az;
+            p[0][lane] = v[x][lane] - ox - sx * az;
+            p[1][lane] = v[y][lane] - oy - sy * az;
+            p[2][lane] = az;
         }
     }
     let mut e = [[0.0f32; 8]; 3];
