@@ -11,6 +11,7 @@ pub mod accel;
 pub mod bsdf;
 pub mod color;
 pub mod film;
+pub mod guide;
 pub mod import;
 pub mod integrate;
 pub mod light;

@@ -149,7 +149,7 @@ fn found_suffix(path: &Path) -> String {
 /// folder, permission.
 ///
 /// # Errors
-/// The reason why [`write`] would fail.
+/// The reason why [`write()`] would fail.
 pub fn check_path(path: &Path) -> Result<Format, WriteError> {
     let path_buf = || path.to_path_buf();
     let format = Format::of(path).ok_or_else(|| WriteError::UnknownSuffix { path: path_buf() })?;
