@@ -9,6 +9,8 @@
 
 pub mod accel;
 pub mod bsdf;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod color;
 pub mod film;
 pub mod guide;

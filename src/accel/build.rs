@@ -175,8 +175,9 @@ impl Builder<'_> {
     }
 }
 
-/// Wide levels that the kernels' stack has room for: a tree of halves over 2^32 primitives fits.
-pub(super) const MAX_DEPTH: u32 = 29;
+/// Wide levels that the kernels' stack has room for. A tree of halves, widened level by level, needs one
+/// for each factor of eight: eleven for 2^32 primitives.
+pub(super) const MAX_DEPTH: u32 = 16;
 
 /// The eight-wide tree over `boxes`, at most [`MAX_DEPTH`] levels deep; `None` where there are none.
 pub(super) fn build(boxes: &[Aabb]) -> Option<Built> {
@@ -204,7 +205,7 @@ fn build_with(boxes: &[Aabb], heuristic_depth: u32) -> (Built, u32) {
     while let Some((source, target, level)) = todo.pop() {
         depth = depth.max(level);
         let mut children = Vec::with_capacity(8);
-        for b in widen(&binary, source, unit) {
+        for b in widen(&binary, source, unit, heuristic_depth > 0) {
             let child = match binary[b].content {
                 Err((start, end)) => Child::Leaf { start, end },
                 Ok(_) => {
@@ -220,20 +221,24 @@ fn build_with(boxes: &[Aabb], heuristic_depth: u32) -> (Built, u32) {
     (Built { nodes, order }, depth)
 }
 
-/// The binary nodes that become the children of `source`: the one with the largest surface is opened
-/// until there are eight.
-fn widen(binary: &[Binary], source: usize, unit: f32) -> Vec<usize> {
-    let Ok(pair) = binary[source].content else { return vec![source] };
-    let mut open = pair.to_vec();
+/// The binary nodes that become the children of `source`, up to eight. Where `by_area`, the one with the
+/// largest surface is opened first; otherwise the one that is highest in the tree.
+fn widen(binary: &[Binary], source: usize, unit: f32, by_area: bool) -> Vec<usize> {
+    let Ok([left, right]) = binary[source].content else { return vec![source] };
+    let mut open = vec![(1u32, left), (1, right)];
     while open.len() < 8 {
-        let area = |i: usize| binary[open[i]].bounds.half_area(unit);
-        let widest = (0..open.len())
-            .filter(|&i| binary[open[i]].content.is_ok())
-            .max_by(|&a, &b| area(a).total_cmp(&area(b)));
-        let Some(i) = widest else { break };
-        let Ok([left, right]) = binary[open[i]].content else { break };
-        open[i] = left;
-        open.push(right);
+        let inner = (0..open.len()).filter(|&i| binary[open[i].1].content.is_ok());
+        let area = |i: usize| binary[open[i].1].bounds.half_area(unit);
+        let chosen = if by_area {
+            inner.max_by(|&a, &b| area(a).total_cmp(&area(b)))
+        } else {
+            inner.min_by_key(|&i| open[i].0)
+        };
+        let Some(i) = chosen else { break };
+        let (level, node) = open[i];
+        let Ok([left, right]) = binary[node].content else { break };
+        open[i] = (level + 1, left);
+        open.push((level + 1, right));
     }
-    open
+    open.into_iter().map(|(_, node)| node).collect()
 }

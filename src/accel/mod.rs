@@ -9,6 +9,7 @@
 //! the tree, or on the order in which it is walked.
 
 mod build;
+mod lanes;
 mod packet;
 mod simd;
 mod traverse;

@@ -6,6 +6,7 @@
 //! that they do not rule out is decided by the scalar code.
 
 use super::build;
+use super::lanes::{F8, ratio_within};
 use super::packet::Packet;
 use super::tree::{LEAF_BIT, Leaf, Node, Tree};
 use super::{Accel, Hit, PrimitiveId};
@@ -22,6 +23,7 @@ struct Boxes {
     o: [f32; 3],
     inv: [f32; 3],
     near: [usize; 3],
+    far: [usize; 3],
 }
 
 impl Boxes {
@@ -31,83 +33,67 @@ impl Boxes {
         const SMALLEST: f32 = 1e-37;
         let d = ray.d.to_array();
         let inv = d.map(|d| 1.0 / if d.abs() < SMALLEST { SMALLEST.copysign(d) } else { d });
-        let near = std::array::from_fn(|a| if inv[a] < 0.0 { a + 3 } else { a });
-        Self { o: ray.o.to_array(), inv, near }
+        let [near, far] =
+            [false, true].map(|far| [0, 1, 2].map(|a| if (inv[a] < 0.0) != far { a + 3 } else { a }));
+        Self { o: ray.o.to_array(), inv, near, far }
     }
 
     /// Distances at which the eight boxes are entered, and a mask of those entered before `t_max`.
     #[inline(always)]
-    fn enter(&self, node: &Node, t_max: f32) -> ([f32; 8], u32) {
-        let mut near = [0.0f32; 8];
-        let mut far = [t_max; 8];
+    fn enter(&self, node: &Node, t_max: f32) -> (F8, u32) {
+        let (mut near, mut far) = (F8::splat(0.0), F8::splat(t_max));
         for axis in 0..3 {
-            let lo = &node.planes[self.near[axis]];
-            let hi = &node.planes[(self.near[axis] + 3) % 6];
-            let (o, inv) = (self.o[axis], self.inv[axis]);
-            for lane in 0..8 {
-                let a = (lo[lane] - o) * inv * (1.0 - SLACK);
-                let b = (hi[lane] - o) * inv * (1.0 + SLACK);
-                near[lane] = if a > near[lane] { a } else { near[lane] };
-                far[lane] = if b < far[lane] { b } else { far[lane] };
-            }
+            let (o, inv) = (F8::splat(self.o[axis]), self.inv[axis]);
+            let (lo, hi) = (node.planes[self.near[axis]], node.planes[self.far[axis]]);
+            near = ((lo - o) * F8::splat(inv * (1.0 - SLACK))).max(near);
+            far = ((hi - o) * F8::splat(inv * (1.0 + SLACK))).min(far);
         }
-        let bits: [u32; 8] = std::array::from_fn(|lane| u32::from(near[lane] <= far[lane]) << lane);
-        let mut mask = 0;
-        for b in bits {
-            mask |= b;
-        }
-        (near, mask)
+        (near, near.le(far))
     }
 }
 
 /// The packet's triangles as the sheared ray sees them.
 struct Seen {
     /// x, y and z of each vertex, by lane.
-    p: [[[f32; 8]; 3]; 3],
+    p: [[F8; 3]; 3],
     /// Edge functions opposite to each vertex.
-    e: [[f32; 8]; 3],
+    e: [F8; 3],
     /// Lanes that the ray may meet.
     mask: u32,
 }
 
 #[inline(always)]
-fn see(shear: &Shear, packet: &Packet) -> Seen {
+fn see(shear: &Shear, packet: &Packet, t_max: f32) -> Seen {
     let [x, y, z] = shear.axes;
-    let [sx, sy, _] = shear.s;
-    let (ox, oy, oz) = (shear.o[x], shear.o[y], shear.o[z]);
-    let mut p = [[[0.0f32; 8]; 3]; 3];
-    for (p, v) in p.iter_mut().zip(&packet.v) {
-        for lane in 0..8 {
-            let az = v[z][lane] - oz;
-            p[0][lane] = v[x][lane] - ox - sx * az;
-            p[1][lane] = v[y][lane] - oy - sy * az;
-            p[2][lane] = az;
-        }
-    }
-    let mut e = [[0.0f32; 8]; 3];
-    let mut bits = [0u32; 8];
-    for lane in 0..8 {
-        let [a, b, c] = [0, 1, 2].map(|k: usize| (p[k][0][lane], p[k][1][lane]));
-        let u = c.0 * b.1 - c.1 * b.0;
-        let v = a.0 * c.1 - a.1 * c.0;
-        let w = b.0 * a.1 - b.1 * a.0;
-        (e[0][lane], e[1][lane], e[2][lane]) = (u, v, w);
-        let inside = ((u >= 0.0) & (v >= 0.0) & (w >= 0.0)) | ((u <= 0.0) & (v <= 0.0) & (w <= 0.0));
-        bits[lane] = u32::from(inside) << lane;
-    }
-    let mut mask = 0;
-    for b in bits {
-        mask |= b;
-    }
-    Seen { p, e, mask: mask & packet.used }
+    let s = [F8::splat(shear.s[0]), F8::splat(shear.s[1])];
+    let o = [F8::splat(shear.o[x]), F8::splat(shear.o[y]), F8::splat(shear.o[z])];
+    let a = project(&packet.v[0], [x, y, z], o, s);
+    let b = project(&packet.v[1], [x, y, z], o, s);
+    let c = project(&packet.v[2], [x, y, z], o, s);
+    let u = c[0] * b[1] - c[1] * b[0];
+    let v = a[0] * c[1] - a[1] * c[0];
+    let w = b[0] * a[1] - b[1] * a[0];
+    // What is clearly behind the ray or beyond its end needs no closer look; the slack covers the
+    // rounding of the two sums and of the division that the scalar code does instead.
+    let det = u + v + w;
+    let t = (u * a[2] + v * b[2] + w * c[2]) * F8::splat(shear.s[2]);
+    let mask = F8::signs_agree(u, v, w) & ratio_within(t, det, t_max * (1.0 + SLACK)) & packet.used;
+    Seen { p: [a, b, c], e: [u, v, w], mask }
+}
+
+/// Vertices relative to the origin, permuted and sheared, as `Shear` does it with one.
+#[inline(always)]
+fn project(v: &[F8; 3], [x, y, z]: [usize; 3], o: [F8; 3], s: [F8; 2]) -> [F8; 3] {
+    let az = v[z] - o[2];
+    [v[x] - o[0] - s[0] * az, v[y] - o[1] - s[1] * az, az]
 }
 
 impl Seen {
     /// Decides one lane.
     #[inline(always)]
     fn hit(&self, shear: &Shear, lane: usize) -> Option<TriangleHit> {
-        let vertex = |k: usize| (self.p[k][0][lane], self.p[k][1][lane], self.p[k][2][lane]);
-        shear.decide(vertex(0), vertex(1), vertex(2), [self.e[0][lane], self.e[1][lane], self.e[2][lane]])
+        let vertex = |k: usize| (self.p[k][0].0[lane], self.p[k][1].0[lane], self.p[k][2].0[lane]);
+        shear.decide(vertex(0), vertex(1), vertex(2), self.e.map(|e| e.0[lane]))
     }
 }
 
@@ -149,7 +135,7 @@ fn walk(tree: &Tree, boxes: &Boxes, t_max: &mut f32, visit: &mut impl Visit) -> 
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize & 7;
             mask &= mask - 1;
-            let entry = (near[lane], node.child[lane]);
+            let entry = (near.0[lane], node.child[lane]);
             // Insertion keeps the nearest on top.
             let mut at = top;
             while at > first && stack[at - 1].0 < entry.0 {
@@ -201,7 +187,7 @@ impl<A: Accept> Visit for Primitives<'_, A> {
     fn leaf(&mut self, leaf: Leaf, t_max: &mut f32) -> bool {
         let tree = self.tree;
         for packet in &tree.packets[leaf.packets[0] as usize..leaf.packets[1] as usize] {
-            let seen = see(&self.shear, packet);
+            let seen = see(&self.shear, packet, *t_max);
             let mut mask = seen.mask;
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize & 7;

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::Geometry;
 use super::build::{self, Aabb, Child};
+use super::lanes::F8;
 use super::packet::Packet;
 
 /// Eight boxes and what they hold. Empty places have `lo` = +inf and `hi` = -inf, and are never entered.
@@ -11,7 +12,7 @@ use super::packet::Packet;
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// lo x, y, z, hi x, y, z.
-    pub(super) planes: [[f32; 8]; 6],
+    pub(super) planes: [F8; 6],
     /// Index of a node, or of a leaf with [`LEAF_BIT`].
     pub(super) child: [u32; 8],
 }
@@ -72,21 +73,12 @@ impl Tree {
         };
         let Some(built) = build::build(boxes) else { return tree };
         for children in &built.nodes {
-            let mut node = Node {
-                planes: [
-                    [f32::INFINITY; 8],
-                    [f32::INFINITY; 8],
-                    [f32::INFINITY; 8],
-                    [f32::NEG_INFINITY; 8],
-                    [f32::NEG_INFINITY; 8],
-                    [f32::NEG_INFINITY; 8],
-                ],
-                child: [0; 8],
-            };
+            let (lo, hi) = (F8::splat(f32::INFINITY), F8::splat(f32::NEG_INFINITY));
+            let mut node = Node { planes: [lo, lo, lo, hi, hi, hi], child: [0; 8] };
             for (lane, (bounds, child)) in children.iter().enumerate() {
                 for axis in 0..3 {
-                    node.planes[axis][lane] = bounds.lo[axis];
-                    node.planes[axis + 3][lane] = bounds.hi[axis];
+                    node.planes[axis].0[lane] = bounds.lo[axis];
+                    node.planes[axis + 3].0[lane] = bounds.hi[axis];
                 }
                 node.child[lane] = match *child {
                     Child::Node(i) => i as u32,

@@ -2,13 +2,14 @@
 
 use crate::color::Rgb;
 
-/// Scattering events before roulette starts.
-const START: u32 = 2;
+/// Scattering events before roulette starts. Four, with the square root below, was the best product of
+/// rays and squared error on the diffuse rooms among starts 2, 3, 4, 5, 8 and exponents 1/2 and 1.
+const START: u32 = 4;
 
 /// Ends a path with a probability, or gives the factor that makes up for those that end.
 ///
-/// The chance to go on is the throughput's largest channel, with what refractions have taken given
-/// back (inside glass radiance is larger by eta^2, and the path will leave it again).
+/// The chance to go on is the square root of the throughput's largest channel, with what refractions
+/// have taken given back (inside glass radiance is larger by eta^2, and the path will leave it again).
 #[inline]
 #[must_use]
 pub(super) fn survive(beta: Rgb, eta_scale: f32, depth: u32, u: f32) -> Option<f32> {
@@ -19,6 +20,7 @@ pub(super) fn survive(beta: Rgb, eta_scale: f32, depth: u32, u: f32) -> Option<f
     if depth < START || q >= 1.0 {
         return Some(1.0);
     }
+    let q = q.sqrt();
     (u < q).then_some(1.0 / q)
 }
 

@@ -9,7 +9,7 @@
 use glam::{DVec3, Vec3};
 
 use super::SurfaceSample;
-use crate::math::{gamma, sin_cos};
+use crate::math::{self, gamma, sin_cos};
 
 /// Solid angle below which area sampling is used, steradians.
 const SMALLEST: f64 = 1e-7;
@@ -105,7 +105,8 @@ impl Rectangle {
         let upper = times(angle(2), angle(3));
         // The sum of all four is the solid angle plus a full turn.
         let all = times(times(angle(0), angle(1)), upper);
-        let mut solid_angle = libm::atan2(all.1, all.0);
+        // The arc tangent keeps the relative accuracy of small angles in f32 too.
+        let mut solid_angle = f64::from(math::atan2(all.1 as f32, all.0 as f32));
         if solid_angle < 0.0 {
             solid_angle += 2.0 * std::f64::consts::PI;
         }

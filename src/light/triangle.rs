@@ -7,7 +7,7 @@
 use glam::{DVec3, Vec3};
 
 use super::SurfaceSample;
-use crate::math::sin_cos;
+use crate::math::{self, sin_cos};
 use crate::sampling::warp::square_to_triangle;
 use crate::shape::triangle;
 
@@ -59,7 +59,7 @@ impl TriangleLight {
         let (a, b, c) = (ra.try_normalize()?, rb.try_normalize()?, rc.try_normalize()?);
         let volume = volume / (ra.length() * rb.length() * rc.length());
         let denominator = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
-        let solid_angle = 2.0 * libm::atan2(volume, denominator);
+        let solid_angle = 2.0 * f64::from(math::atan2(volume as f32, denominator as f32));
         (solid_angle > 0.0).then_some(View { a, b, c, solid_angle })
     }
 

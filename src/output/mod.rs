@@ -73,7 +73,7 @@ pub enum WriteError {
         path: PathBuf,
     },
     /// The folder does not exist, or is none.
-    #[error("{}: the folder {} does not exist; create it first", path.display(), folder.display())]
+    #[error("{}: the folder {} does not exist", path.display(), folder.display())]
     NoFolder {
         /// The file.
         path: PathBuf,

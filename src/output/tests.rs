@@ -143,7 +143,7 @@ fn unusable_paths_are_refused() {
     };
     check("a.jpg", "FOLDER/a.jpg: found .jpg, expected a name that ends in .exr, .png, .bmp or .hdr");
     check("a", "FOLDER/a: found no suffix, expected a name that ends in .exr, .png, .bmp or .hdr");
-    check("no/a.png", "FOLDER/no/a.png: the folder FOLDER/no does not exist; create it first");
+    check("no/a.png", "FOLDER/no/a.png: the folder FOLDER/no does not exist");
     check("taken.png", "FOLDER/taken.png: is a folder, expected a file name");
     assert!(check_path(&folder.path().join("a.PNG")).is_ok());
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "checking leaves nothing behind");

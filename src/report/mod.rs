@@ -1,9 +1,12 @@
-//! Numbers about finished images: how far two of them are apart, and whether that means anything.
+//! Numbers about scenes and finished images: what a scene holds, how far two images are apart, and
+//! whether that means anything.
 
 mod compare;
 mod flip;
 mod heat;
+mod inventory;
 
 pub use compare::{Basis, Channel, CompareError, Comparison, Tiles, Verdict, compare};
 pub use flip::flip;
 pub use heat::{difference_map, flip_map};
+pub use inventory::{Inventory, inventory};

@@ -46,7 +46,7 @@ pub(super) struct Extensions {
 
 impl Document {
     /// True for files of Blender's own exporter, whose habits differ from the specification.
-    pub(super) fn from_blender(&self) -> bool {
+    pub(super) fn is_from_blender(&self) -> bool {
         self.generator.starts_with("Khronos glTF Blender I/O")
     }
 }

@@ -24,7 +24,7 @@ pub(super) fn default_kind() -> MaterialKind {
 pub(super) fn convert(doc: &Document, index: usize, notes: &mut Notes) -> MaterialKind {
     let material = &doc.materials[index];
     let mut from = Factors { place: format!("materials[{index}]"), notes };
-    let blender = doc.from_blender();
+    let blender = doc.is_from_blender();
     if blender && doc.bare_materials.contains(&index) {
         let message = "a material without any property: Blender writes it where the nodes hold no \
                        Principled BSDF, and it shows as white metal";

@@ -38,7 +38,7 @@ pub(super) fn build(
         doc,
         reader,
         notes,
-        lights: Lights::new(options.light_units, doc.from_blender()),
+        lights: Lights::new(options.light_units, doc.is_from_blender()),
         meshes: Meshes::default(),
         default_material: None,
         material_names: names,
@@ -179,7 +179,7 @@ impl Builder<'_> {
     fn empty(&mut self, index: usize, node: &json::Node, place: &str) {
         let is_leaf = node.children.iter().all(Vec::is_empty);
         let is_plain = node.extensions.is_none() && node.extras.is_none();
-        if self.doc.from_blender() && is_leaf && is_plain && !self.doc.joints.contains(&index) {
+        if self.doc.is_from_blender() && is_leaf && is_plain && !self.doc.joints.contains(&index) {
             let message = "an empty node: if it was an area light in Blender, its light is not in the file";
             self.notes.add("area-light-lost", NoteEffect::Missing, place, message);
         }
@@ -237,7 +237,7 @@ impl Builder<'_> {
             get(&self.doc.materials, index, &format!("{place}.material"))?;
             return Ok(MaterialId(index as u32));
         }
-        if self.doc.from_blender() {
+        if self.doc.is_from_blender() {
             let message = "no material: shown as white metal, glTF's default, though Blender shows it grey";
             self.notes.add("material-lost", NoteEffect::Differs, place, message);
         }

@@ -1,0 +1,414 @@
+//! Flags as typed.
+//!
+//! Help is part of this file, since it is what people read first: every default is said, every example
+//! runs as it stands.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::builder::styling::{AnsiColor, Styles};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use super::units;
+use crate::import::LightUnits;
+use crate::prepare::EffectsMode;
+use crate::scene::ToneCurve;
+
+const STYLES: Styles = Styles::styled()
+    .header(AnsiColor::Green.on_default().bold())
+    .usage(AnsiColor::Green.on_default().bold())
+    .literal(AnsiColor::Cyan.on_default())
+    .placeholder(AnsiColor::Cyan.on_default());
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "epsilux",
+    version,
+    styles = STYLES,
+    about = "Renders glTF and TOML scenes by path tracing, and says what the picture rests on",
+    after_help = "\
+Examples:
+  epsilux demo                                       a picture without any file: hexroom.png
+  epsilux render scenes/hexroom.toml -o room.png     render a scene
+  epsilux explain scenes/hexroom.toml                what would be simulated, and why
+  epsilux compare room.exr reference.exr             is the difference more than noise?
+
+Exit codes:
+  0 done   1 compared and differs   2 wrong usage   4 cannot load   5 refused by --strict
+  6 cannot write   130 or 143 stopped by a signal, picture saved"
+)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    Render(RenderArgs),
+    Explain(ExplainArgs),
+    Info(InfoArgs),
+    Compare(CompareArgs),
+    Demo(DemoArgs),
+    /// Print the JSON Schema of the scene's text form, for editors
+    #[command(after_help = "\
+Examples:
+  epsilux schema > epsilux.schema.json
+
+An editor that knows TOML or JSON schemas then completes and checks scenes whose first line is
+  #:schema epsilux.schema.json")]
+    Schema,
+}
+
+/// Where the scene is, and how to read it.
+#[derive(Args, Debug)]
+pub(super) struct SceneArgs {
+    /// The scene: .gltf, .glb (glTF 2.0), .toml or .json (epsilux's own form)
+    pub(super) scene: PathBuf,
+
+    /// What the intensities of glTF's point, spot and sun lights mean
+    #[arg(long, value_enum, default_value_t, value_name = "UNITS")]
+    pub(super) light_units: LightUnitsArg,
+}
+
+/// Render a scene to image files
+///
+/// Writes one file for each -o, and beside it NAME.report.json with what the run took: seconds, rays,
+/// machine, notes, plan. Equal scenes, settings and samples make equal image files, whatever the number
+/// of threads.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+What is written:
+  .exr  everything: linear colour, variance and sample count per pixel, the layers of --aov
+  .png  8 bit sRGB for a screen, after --exposure and --tone
+  .bmp  the same, without alpha
+  .hdr  linear colour
+
+Examples:
+  epsilux render scenes/hexroom.toml
+      hexroom.png and hexroom.exr in the current folder, 64 samples per pixel
+  epsilux render scenes/hexroom.toml -o room.png --spp 256 --size 400x400
+  epsilux render scenes/hexroom.toml -o room.png --time 30s
+      as many samples as 30 seconds allow; the number is printed, so that --spp can repeat it
+  epsilux render scenes/hexroom.toml -o room.exr --camera far --aov albedo,normal,depth
+  epsilux render scenes/hexroom.toml -o part.png --crop 300,300,200,200
+      exactly that part of the whole picture")]
+pub(super) struct RenderArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+
+    /// Image file to write, by suffix .exr, .png, .bmp or .hdr; may repeat [default: the scene's name
+    /// .png and .exr, in the current folder]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+
+    /// Samples per pixel [default: the scene's, else 64; without limit where --time is given]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    pub(super) spp: Option<u32>,
+
+    /// Stop after this long (30s, 5min, 2h); samples for which only a part of the picture is done are dropped
+    #[arg(long, value_name = "TIME", value_parser = units::time)]
+    pub(super) time: Option<Duration>,
+
+    /// Width and height of the picture in pixels [default: the scene's, else 800 wide in the camera's
+    /// aspect, else 800x600]
+    #[arg(long, value_name = "WxH", value_parser = units::size)]
+    pub(super) size: Option<[u32; 2]>,
+
+    /// Camera by name [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub(super) camera: Option<String>,
+
+    /// Render only this part of the picture: left, top, width and height in pixels
+    #[arg(long, value_name = "X,Y,W,H", value_parser = units::crop)]
+    pub(super) crop: Option<[u32; 4]>,
+
+    /// Brighten .png and .bmp by this many stops, may be negative [default: the scene's, else 0]
+    #[arg(long, value_name = "EV", value_parser = units::stops, allow_hyphen_values = true)]
+    pub(super) exposure: Option<f32>,
+
+    /// Tone curve of .png and .bmp [default: the scene's, else srgb]
+    #[arg(long, value_enum, value_name = "CURVE")]
+    pub(super) tone: Option<ToneArg>,
+
+    /// Leave the background transparent: alpha in .exr and .png
+    #[arg(long)]
+    pub(super) transparent: bool,
+
+    /// Further layers for .exr
+    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
+    pub(super) aov: Vec<Aov>,
+
+    /// Cap on scattering events; 0 shows emission only [default: the scene's, else none]
+    #[arg(long, value_name = "N")]
+    pub(super) max_depth: Option<u32>,
+
+    /// Which transport loop runs; the picture is the same, bit for bit
+    #[arg(long, value_enum, default_value_t, value_name = "SET")]
+    pub(super) effects: EffectsArg,
+
+    /// How light is simulated
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) method: Method,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) seed: u64,
+
+    /// Threads; 0 is one for each core. They never change the picture
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) threads: usize,
+
+    /// Refuse (exit code 5) where something in the scene was ignored or assumed that changes the picture
+    #[arg(long)]
+    pub(super) strict: bool,
+
+    /// How progress is shown, on standard error
+    #[arg(long, value_enum, default_value_t, value_name = "KIND")]
+    pub(super) progress: ProgressArg,
+
+    /// Say nothing but errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub(super) quiet: bool,
+
+    /// Say more: all notes, the plan
+    #[arg(short, long)]
+    pub(super) verbose: bool,
+}
+
+/// Most samples per pixel of one render.
+pub(super) const MAX_SAMPLES: u32 = 1 << 24;
+
+/// Say what would be simulated, what is left out, and why
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  epsilux explain scenes/hexroom.toml
+  epsilux explain scenes/hexroom.toml --camera far --json")]
+pub(super) struct ExplainArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+
+    /// Camera by name [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub(super) camera: Option<String>,
+
+    /// Which transport loop would run
+    #[arg(long, value_enum, default_value_t, value_name = "SET")]
+    pub(super) effects: EffectsArg,
+
+    /// Print JSON (epsilux.explain/1)
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Say what a scene holds: triangles, spheres, lights, materials, bounds, area, notes
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  epsilux info scenes/hexroom.toml
+  epsilux info scenes/hexroom.toml --json")]
+pub(super) struct InfoArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+
+    /// Print JSON (epsilux.info/1)
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Compare two images, and say whether their difference is more than noise
+///
+/// Where both carry variance (.exr files of this program), the verdict is a statistical test with a false
+/// alarm rate of 0.001: over the whole image and over tiles of 16x16 pixels. Otherwise any difference
+/// counts. Exit code 0: identical or no significant difference; 1: differs.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  epsilux render scenes/hexroom.toml -o a.exr --seed 1 --size 200x200
+  epsilux render scenes/hexroom.toml -o b.exr --seed 2 --size 200x200
+  epsilux compare a.exr b.exr                 no significant difference: only noise
+  epsilux compare a.png b.png --map map.png   where the eye sees a difference")]
+pub(super) struct CompareArgs {
+    /// The image: .exr, .hdr, .png, .bmp, .jpg or .webp
+    #[arg(value_name = "A")]
+    pub(super) image: PathBuf,
+
+    /// The reference that it is compared with
+    #[arg(value_name = "B")]
+    pub(super) reference: PathBuf,
+
+    /// Write a picture of the difference
+    #[arg(long, value_name = "FILE")]
+    pub(super) map: Option<PathBuf>,
+
+    /// What the picture of the difference shows
+    #[arg(long, value_enum, default_value_t, value_name = "KIND", requires = "map")]
+    pub(super) map_kind: MapKind,
+
+    /// Print JSON (epsilux.compare/1)
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Render the built-in hexagonal room, to see that everything works
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  epsilux demo
+  epsilux demo -o room.png --spp 64")]
+pub(super) struct DemoArgs {
+    /// Image file to write
+    #[arg(short, long, value_name = "FILE", default_value = "hexroom.png")]
+    pub(super) output: PathBuf,
+
+    /// Samples per pixel
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    pub(super) spp: u32,
+
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "400x400", value_parser = units::size)]
+    pub(super) size: Size,
+}
+
+/// Named, since a list after an option would mean several values.
+pub(super) type Size = [u32; 2];
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum LightUnitsArg {
+    /// `standard` for files of Blender's exporter, else `unitless`
+    #[default]
+    Auto,
+    /// Candela and lux at 683 lm/W, as Blender's exporter writes them by default
+    Standard,
+    /// W/sr and W/m^2
+    Unitless,
+    /// Watts over the whole sphere
+    Raw,
+}
+
+impl From<LightUnitsArg> for LightUnits {
+    fn from(arg: LightUnitsArg) -> Self {
+        match arg {
+            LightUnitsArg::Auto => Self::Auto,
+            LightUnitsArg::Standard => Self::BlenderSpec,
+            LightUnitsArg::Unitless => Self::Unitless,
+            LightUnitsArg::Raw => Self::Raw,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ToneArg {
+    /// sRGB; what is brighter than one clips
+    #[default]
+    Srgb,
+    /// AgX: highlights roll off and lose saturation
+    Agx,
+    /// Khronos PBR Neutral: keeps base colours, rolls off highlights only
+    Neutral,
+    /// Square root of the value
+    Sqrt,
+    /// The value itself
+    Linear,
+}
+
+impl From<ToneArg> for ToneCurve {
+    fn from(arg: ToneArg) -> Self {
+        match arg {
+            ToneArg::Srgb => Self::Srgb,
+            ToneArg::Agx => Self::Agx,
+            ToneArg::Neutral => Self::Neutral,
+            ToneArg::Sqrt => Self::Sqrt,
+            ToneArg::Linear => Self::Linear,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum EffectsArg {
+    /// The smallest that covers the scene
+    #[default]
+    Auto,
+    /// The one that simulates everything
+    All,
+}
+
+impl From<EffectsArg> for EffectsMode {
+    fn from(arg: EffectsArg) -> Self {
+        match arg {
+            EffectsArg::Auto => Self::Auto,
+            EffectsArg::All => Self::All,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Method {
+    /// Path tracing that aims at lights
+    #[default]
+    Default,
+    /// Slow and obvious brute force in double precision, to check the default against
+    Reference,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ProgressArg {
+    /// A bar where standard error is a terminal and NO_COLOR is not set, else nothing
+    #[default]
+    Auto,
+    /// One JSON object a line (epsilux.progress/1)
+    Json,
+    /// Nothing
+    None,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum MapKind {
+    /// What an eye sees that flips between the two: black none, white most
+    #[default]
+    Flip,
+    /// Relative difference of luminance: red where A is brighter, blue where it is darker
+    Difference,
+}
+
+/// Layers that an EXR file may hold besides the colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Aov {
+    /// Reflectance of the first surface: albedo.R, .G, .B
+    Albedo,
+    /// Its shading normal in world space: N.X, .Y, .Z
+    Normal,
+    /// Its distance along the view axis in metres: Z
+    Depth,
+    /// Its place in world space in metres: P.X, .Y, .Z
+    Position,
+    /// Number of the object from one, 0 for the background: objectId
+    Object,
+    /// Number of the material from one, 0 for the background: materialId
+    Material,
+}
+
+impl Aov {
+    /// The channels' name up to the dot.
+    pub(super) fn group(self) -> &'static str {
+        match self {
+            Self::Albedo => "albedo",
+            Self::Normal => "N",
+            Self::Depth => "Z",
+            Self::Position => "P",
+            Self::Object => "objectId",
+            Self::Material => "materialId",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// clap's own check of the definitions: clashing flags, bad defaults.
+    #[test]
+    fn definitions_are_sound() {
+        <Arguments as clap::CommandFactory>::command().debug_assert();
+    }
+}

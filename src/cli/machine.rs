@@ -1,0 +1,160 @@
+//! NAME.report.json: what a run took, beside the image that it made.
+//!
+//! The image files are a function of scene, settings and samples; whatever else there is to say about a
+//! run (time, machine, command line) is said here.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::notes::NoteJson;
+use crate::prepare::{Effect, Plan};
+
+/// What a run took.
+#[derive(Serialize)]
+pub(super) struct Report<'a> {
+    pub(super) schema: &'static str,
+    pub(super) software: String,
+    pub(super) command: String,
+    pub(super) scene: &'a str,
+    pub(super) scene_sha256: &'a str,
+    pub(super) outputs: Vec<String>,
+    pub(super) method: &'static str,
+    pub(super) camera: &'a str,
+    pub(super) size: [u32; 2],
+    pub(super) seed: u64,
+    /// Passes in the picture, half open: samples per pixel.
+    pub(super) passes: [u32; 2],
+    pub(super) partial: bool,
+    pub(super) stopped_by_signal: bool,
+    pub(super) seconds: Seconds,
+    pub(super) threads: usize,
+    pub(super) rays: Option<u64>,
+    pub(super) rays_per_second: Option<f64>,
+    pub(super) samples_refused: u64,
+    pub(super) refused: Vec<RefusedJson>,
+    pub(super) paths_cut: u64,
+    pub(super) plan: PlanJson<'a>,
+    pub(super) notes: Vec<NoteJson<'a>>,
+    pub(super) machine: Machine,
+}
+
+/// Wall-clock time of each step, seconds.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct Seconds {
+    pub(super) load: f64,
+    pub(super) prepare: f64,
+    pub(super) render: f64,
+    pub(super) write: f64,
+}
+
+/// A sample that was refused.
+#[derive(Serialize)]
+pub(super) struct RefusedJson {
+    pub(super) pixel: [u32; 2],
+    pub(super) pass: u32,
+    pub(super) reason: String,
+}
+
+/// The plan as JSON has it.
+#[derive(Serialize)]
+pub(super) struct PlanJson<'a> {
+    simulated: Vec<NeedJson<'a>>,
+    left_out: Vec<LeftOutJson>,
+    kernel: &'static str,
+    replications: u32,
+}
+
+#[derive(Serialize)]
+struct NeedJson<'a> {
+    effect: &'static str,
+    witness: &'a str,
+    count: usize,
+}
+
+#[derive(Serialize)]
+struct LeftOutJson {
+    effect: &'static str,
+    reason: &'static str,
+}
+
+impl<'a> From<&'a Plan> for PlanJson<'a> {
+    fn from(plan: &'a Plan) -> Self {
+        let present = plan.effects();
+        let need = |n: &'a crate::prepare::Need| NeedJson {
+            effect: n.effect.name(),
+            witness: &n.witness,
+            count: n.count,
+        };
+        let absent = Effect::ALL.into_iter().filter(|&e| !present.has(e));
+        Self {
+            simulated: plan.needs.iter().map(need).collect(),
+            left_out: absent.map(|e| LeftOutJson { effect: e.name(), reason: e.reason_absent() }).collect(),
+            kernel: plan.kernel().name,
+            replications: plan.replications,
+        }
+    }
+}
+
+/// The machine, as far as it matters for time.
+#[derive(Serialize)]
+pub(super) struct Machine {
+    os: &'static str,
+    arch: &'static str,
+    cores: usize,
+    cpu: Option<String>,
+}
+
+impl Machine {
+    pub(super) fn this() -> Self {
+        Self {
+            os: std::env::consts::OS,
+            arch: std::env::consts::ARCH,
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            cpu: cpu_name(),
+        }
+    }
+}
+
+/// The processor's name, where Linux tells it.
+fn cpu_name() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|l| l.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// Where the report of an image lies.
+pub(super) fn report_path(image: &Path) -> PathBuf {
+    image.with_extension("report.json")
+}
+
+/// The command line as a shell would take it.
+pub(super) fn command_line(arguments: &[OsString]) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+%@".contains(c);
+    let quote = |word: &OsString| {
+        let word = word.to_string_lossy();
+        if !word.is_empty() && word.chars().all(plain) {
+            word.into_owned()
+        } else {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        }
+    };
+    arguments.iter().map(quote).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn command_lines_can_be_pasted() {
+        let words = ["epsilux", "render", "my scene.toml", "--camera", "it's", ""].map(OsString::from);
+        assert_eq!(command_line(&words), r"epsilux render 'my scene.toml' --camera 'it'\''s' ''");
+    }
+
+    #[test]
+    fn reports_lie_beside_images() {
+        assert_eq!(report_path(Path::new("a/room.v2.png")), Path::new("a/room.v2.report.json"));
+    }
+}

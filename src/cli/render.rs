@@ -1,0 +1,446 @@
+//! `epsilux render`
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use sha2::{Digest, Sha256};
+
+use super::Code;
+use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs};
+use super::compare::unusable;
+use super::console::Console;
+use super::failure::Failure;
+use super::load::{self, Loaded};
+use super::machine::{Machine, RefusedJson, Report, Seconds, command_line, report_path};
+use super::notes;
+use super::progress::{Display, Watch};
+use super::schema::to_json;
+use super::signal::Stop;
+use super::units::show_time;
+use crate::film::{Image, Refusal};
+use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
+use crate::integrate::{self, BadSample, Control, Counters, Progress, RenderError, RenderOptions};
+use crate::output::{self, Format, Tone, WriteOptions};
+use crate::prepare::{self, EffectsMode, Plan, PrepareError};
+use crate::scene::{Camera, Scene, text};
+
+pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) -> Result<Code, Failure> {
+    let begin = Instant::now();
+    let outputs =
+        if args.output.is_empty() { default_outputs(&args.scene.scene) } else { args.output.clone() };
+    check_outputs(&outputs)?;
+    check_flags(args, &outputs)?;
+    let loaded = load::load(&args.scene)?;
+    let job = Job::from_args(args, &loaded.scene, outputs)?;
+    if args.strict {
+        notes::refuse(&loaded.notes)?;
+    }
+    job.run(loaded, begin, arguments, console)
+}
+
+/// The scene's name with .png and .exr, in the current folder.
+fn default_outputs(scene: &Path) -> Vec<PathBuf> {
+    let stem = Path::new(scene.file_stem().unwrap_or(scene.as_os_str()));
+    // Appended, not exchanged: a scene called `room.v2.toml` becomes `room.v2.png`.
+    let named = |suffix: &str| PathBuf::from(format!("{}.{suffix}", stem.display()));
+    vec![named("png"), named("exr")]
+}
+
+/// Finds out before any work whether the outputs can be written.
+pub(super) fn check_outputs(outputs: &[PathBuf]) -> Result<(), Failure> {
+    outputs.iter().try_for_each(|path| output::check_path(path).map(drop).map_err(|e| unusable(&e)))
+}
+
+/// Flags that contradict each other or would have no effect.
+fn check_flags(args: &RenderArgs, outputs: &[PathBuf]) -> Result<(), Failure> {
+    let exr = outputs.iter().any(|o| Format::of(o) == Some(Format::Exr));
+    if !args.aov.is_empty() && !exr {
+        return Err(Failure::usage("--aov: layers fit only into .exr files, and no output is one")
+            .help("add an output such as -o layers.exr"));
+    }
+    if args.method == Method::Reference {
+        let without: [(&str, bool); 5] = [
+            ("--time", args.time.is_some()),
+            ("--aov", !args.aov.is_empty()),
+            ("--transparent", args.transparent),
+            ("--effects", EffectsMode::from(args.effects) != EffectsMode::Auto),
+            ("--progress json", args.progress == ProgressArg::Json),
+        ];
+        if let Some((flag, _)) = without.into_iter().find(|(_, given)| *given) {
+            return Err(Failure::usage(format!("{flag} is not available with --method reference")));
+        }
+    }
+    Ok(())
+}
+
+/// The camera that was asked for.
+pub(super) fn camera<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a Camera, Failure> {
+    let found = match name {
+        None => scene.cameras.first(),
+        Some(name) => scene.cameras.iter().find(|c| c.name == name),
+    };
+    found.ok_or_else(|| {
+        let known = scene.cameras.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ");
+        Failure::usage(format!("--camera: found {:?}, expected one of: {known}", name.unwrap_or_default()))
+    })
+}
+
+/// The picture's size: as asked, else as the scene says, else 800 pixels wide.
+pub(super) fn picture_size(scene: &Scene, camera: &Camera, asked: Option<[u32; 2]>) -> [u32; 2] {
+    let from_aspect = || match camera.aspect {
+        Some(aspect) => [800, (800.0 / aspect).round().clamp(1.0, 65_536.0) as u32],
+        None => [800, 600],
+    };
+    asked.or(scene.settings.size).unwrap_or_else(from_aspect)
+}
+
+/// A render as meant.
+pub(super) struct Job {
+    scene_name: String,
+    pub(super) outputs: Vec<PathBuf>,
+    prepare: prepare::Options,
+    camera: String,
+    /// Samples per pixel, at most.
+    pub(super) passes: u32,
+    time: Option<Duration>,
+    threads: usize,
+    crop: Option<[u32; 4]>,
+    aovs: Vec<Aov>,
+    tone: Tone,
+    method: Method,
+    progress: ProgressArg,
+    quiet: bool,
+    verbose: bool,
+}
+
+/// What a method made.
+struct Rendered {
+    image: Image,
+    passes: [u32; 2],
+    plan: Plan,
+    partial: bool,
+    threads: usize,
+    counters: Option<Counters>,
+    refused: u64,
+    bad: Vec<BadSample>,
+}
+
+impl Job {
+    /// A render with every default.
+    pub(super) fn new(name: &str, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Self {
+        let hints = &scene.settings;
+        Self {
+            scene_name: name.to_owned(),
+            outputs: Vec::new(),
+            prepare: prepare::Options {
+                camera: Some(camera.name.clone()),
+                size,
+                seed: 0,
+                effects: EffectsMode::Auto,
+                max_depth: hints.max_depth,
+                transparent: false,
+            },
+            camera: camera.name.clone(),
+            passes: hints.spp.unwrap_or(64).clamp(1, MAX_SAMPLES),
+            time: None,
+            threads: 0,
+            crop: None,
+            aovs: Vec::new(),
+            tone: Tone { curve: hints.tone.unwrap_or_default(), exposure: hints.exposure.unwrap_or(0.0) },
+            method: Method::Default,
+            progress: ProgressArg::Auto,
+            quiet: false,
+            verbose: false,
+        }
+    }
+
+    /// Flags as typed over the scene's hints over the defaults.
+    fn from_args(args: &RenderArgs, scene: &Scene, outputs: Vec<PathBuf>) -> Result<Self, Failure> {
+        let camera = camera(scene, args.camera.as_deref())?;
+        let name = args.scene.scene.display().to_string();
+        let mut job = Self::new(&name, scene, camera, picture_size(scene, camera, args.size));
+        job.outputs = outputs;
+        job.prepare.seed = args.seed;
+        job.prepare.effects = args.effects.into();
+        job.prepare.transparent = args.transparent;
+        job.prepare.max_depth = args.max_depth.or(job.prepare.max_depth);
+        job.passes = match (args.spp, args.time) {
+            (Some(spp), _) => spp,
+            (None, Some(_)) => MAX_SAMPLES,
+            (None, None) => job.passes,
+        };
+        job.time = args.time;
+        job.threads = args.threads;
+        job.crop = args.crop;
+        job.aovs.clone_from(&args.aov);
+        job.tone.curve = args.tone.map_or(job.tone.curve, Into::into);
+        job.tone.exposure = args.exposure.unwrap_or(job.tone.exposure);
+        job.method = args.method;
+        job.progress = args.progress;
+        job.quiet = args.quiet;
+        job.verbose = args.verbose;
+        Ok(job)
+    }
+
+    /// Prepares, renders, writes, reports.
+    pub(super) fn run(
+        &self,
+        loaded: Loaded,
+        begin: Instant,
+        arguments: &[OsString],
+        console: &Console,
+    ) -> Result<Code, Failure> {
+        let Loaded { scene, notes } = loaded;
+        let load = begin.elapsed().as_secs_f64();
+        if !self.quiet {
+            notes::show(&notes, self.verbose, console);
+        }
+        let watch = Watch { display: Display::new(self.progress, self.quiet, console), stop: Stop::listen() };
+        let rendering = Instant::now();
+        let (mut rendered, prepare) = match self.method {
+            Method::Default => self.render(&scene, &watch, console)?,
+            Method::Reference => (self.render_reference(&scene, &watch)?, 0.0),
+        };
+        let render = rendering.elapsed().as_secs_f64() - prepare;
+        watch.display.clear();
+        let hash = scene_hash(&scene);
+        rendered.image.attributes = self.attributes(&rendered, &hash);
+        keep_layers(&mut rendered.image, &self.aovs);
+        let writing = Instant::now();
+        for path in &self.outputs {
+            let options = WriteOptions { tone: self.tone };
+            output::write(&rendered.image, path, &options).map_err(|e| unusable(&e))?;
+        }
+        let write = writing.elapsed().as_secs_f64();
+        let stopped = watch.stop.code();
+        let seconds = Seconds { load, prepare, render, write };
+        let report = self.report(&rendered, &hash, seconds, stopped.is_some(), &notes, arguments);
+        self.write_report(&report)?;
+        if !self.quiet {
+            self.summarise(&rendered, seconds, stopped, console);
+        }
+        for path in &self.outputs {
+            console.result(&path.display().to_string())?;
+        }
+        Ok(stopped.unwrap_or(Code::Done))
+    }
+
+    /// The default method; also the seconds that preparing took.
+    fn render(
+        &self,
+        scene: &Scene,
+        watch: &Watch<'_>,
+        console: &Console,
+    ) -> Result<(Rendered, f64), Failure> {
+        let begin = Instant::now();
+        let prepared = prepare::prepare(scene, &self.prepare).map_err(|e| match e {
+            PrepareError::NoCamera => Failure::load(format!("{}: {e}", self.scene_name)),
+            _ => Failure::usage(e.to_string()),
+        })?;
+        if self.verbose {
+            console.message(&prepared.plan.to_string());
+        }
+        let seconds = begin.elapsed().as_secs_f64();
+        let options = RenderOptions {
+            passes: 0..self.passes,
+            time: self.time,
+            threads: self.threads,
+            crop: self.crop,
+            features: !self.aovs.is_empty(),
+        };
+        let outcome = integrate::render(&prepared, &options, watch).map_err(|e| match e {
+            RenderError::Crop { .. } => Failure::usage(format!("--crop: {e}")),
+            RenderError::NoPasses | RenderError::Threads { .. } => Failure::usage(e.to_string()),
+        })?;
+        let rendered = Rendered {
+            image: outcome.film.to_image(),
+            passes: [outcome.passes.start, outcome.passes.end],
+            plan: prepared.plan.clone(),
+            partial: outcome.partial,
+            threads: outcome.threads,
+            counters: Some(outcome.counters),
+            refused: outcome.film.refused_total(),
+            bad: outcome.bad,
+        };
+        Ok((rendered, seconds))
+    }
+
+    fn render_reference(&self, scene: &Scene, watch: &Watch<'_>) -> Result<Rendered, Failure> {
+        let index = scene.cameras.iter().position(|c| c.name == self.camera).unwrap_or(0);
+        let options = ReferenceOptions {
+            camera: index,
+            size: self.prepare.size,
+            crop: self.crop,
+            spp: self.passes,
+            seed: self.prepare.seed,
+            max_depth: self.prepare.max_depth,
+            threads: self.threads,
+        };
+        let begin = Instant::now();
+        let [_, _, width, height] = self.crop.unwrap_or([0, 0, self.prepare.size[0], self.prepare.size[1]]);
+        let total = u64::from(width) * u64::from(height) * u64::from(self.passes);
+        let progress = |share: f64| {
+            let samples = (share * total as f64) as u64;
+            let elapsed = begin.elapsed();
+            watch.progress(&Progress {
+                samples,
+                samples_total: total,
+                passes: 0,
+                rays: 0,
+                elapsed,
+                time: None,
+            });
+        };
+        let image = reference(scene, &options, &|| watch.cancelled(), &progress).map_err(|e| match e {
+            ReferenceError::NoCamera { .. } => Failure::load(format!("{}: {e}", self.scene_name)),
+            ReferenceError::Crop { .. } => Failure::usage(format!("--crop: {e}")),
+            ReferenceError::Threads(_) => Failure::usage(e.to_string()),
+        })?;
+        let partial = image.count.as_ref().is_some_and(|c| c.contains(&0));
+        Ok(Rendered {
+            image,
+            passes: [0, self.passes],
+            plan: prepare::analyse(scene, &scene.cameras[index], &self.prepare),
+            partial,
+            threads: self.threads,
+            counters: None,
+            refused: 0,
+            bad: Vec::new(),
+        })
+    }
+
+    /// What the image files say of themselves: a function of scene, settings and passes only. The kernel
+    /// is not among it, since it never changes the picture.
+    fn attributes(&self, rendered: &Rendered, hash: &str) -> Vec<(String, String)> {
+        let effects = rendered.plan.needs.iter().map(|n| n.effect.name()).collect::<Vec<_>>().join(", ");
+        let mut list = vec![
+            ("software", software()),
+            ("scene_sha256", hash.to_owned()),
+            ("camera", self.camera.clone()),
+            ("method", self.method_name().to_owned()),
+            ("seed", self.prepare.seed.to_string()),
+            ("passes", format!("{}..{}", rendered.passes[0], rendered.passes[1])),
+            ("max_depth", self.prepare.max_depth.map_or("none".to_owned(), |d| d.to_string())),
+            ("effects", effects),
+        ];
+        if self.method == Method::Default {
+            list.push(("replications", rendered.plan.replications.to_string()));
+        }
+        if rendered.partial {
+            list.push(("partial", "some pixels have no samples".to_owned()));
+        }
+        list.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+
+    fn method_name(&self) -> &'static str {
+        match self.method {
+            Method::Default => "default",
+            Method::Reference => "reference",
+        }
+    }
+
+    fn report<'a>(
+        &'a self,
+        rendered: &'a Rendered,
+        hash: &'a str,
+        seconds: Seconds,
+        stopped_by_signal: bool,
+        notes: &'a [crate::scene::Note],
+        arguments: &[OsString],
+    ) -> Report<'a> {
+        let rays = rendered.counters.map(|c| c.rays);
+        let refused =
+            |b: &BadSample| RefusedJson { pixel: b.pixel, pass: b.pass, reason: reason(b.reason).into() };
+        Report {
+            schema: "epsilux.report/1",
+            software: software(),
+            command: command_line(arguments),
+            scene: &self.scene_name,
+            scene_sha256: hash,
+            outputs: self.outputs.iter().map(|p| p.display().to_string()).collect(),
+            method: self.method_name(),
+            camera: &self.camera,
+            size: self.prepare.size,
+            seed: self.prepare.seed,
+            passes: rendered.passes,
+            partial: rendered.partial,
+            stopped_by_signal,
+            seconds,
+            threads: rendered.threads,
+            rays,
+            rays_per_second: rays.map(|r| r as f64 / seconds.render.max(1e-9)),
+            samples_refused: rendered.refused,
+            refused: rendered.bad.iter().map(refused).collect(),
+            paths_cut: rendered.counters.map_or(0, |c| c.capped),
+            plan: (&rendered.plan).into(),
+            notes: notes::json(notes),
+            machine: Machine::this(),
+        }
+    }
+
+    /// One report for each name: `a.png` and `a.exr` share theirs.
+    fn write_report(&self, report: &Report<'_>) -> Result<(), Failure> {
+        let text = to_json(report)? + "\n";
+        let mut paths: Vec<_> = self.outputs.iter().map(|p| report_path(p)).collect();
+        paths.sort();
+        paths.dedup();
+        paths.iter().try_for_each(|path| {
+            output::write_bytes(path, text.as_bytes())
+                .map_err(|e| Failure::write(format!("{}: cannot write: {e}", path.display())))
+        })
+    }
+
+    fn summarise(&self, rendered: &Rendered, seconds: Seconds, stopped: Option<Code>, console: &Console) {
+        let samples = rendered.passes[1] - rendered.passes[0];
+        let mut line = format!("{samples} samples per pixel in {}", show_time(seconds.render));
+        if let Some(c) = rendered.counters {
+            let mrays = c.rays as f64 / seconds.render.max(1e-9) / 1e6;
+            line += &format!(", {mrays:.2} Mrays/s on {} threads", rendered.threads);
+        }
+        console.message(&line);
+        if rendered.partial {
+            console.message("note: not one sample of every pixel is done; the picture is partial");
+        } else if samples != self.passes {
+            console.message(&format!("--spp {samples} repeats this picture"));
+        }
+        if stopped.is_some() {
+            console.message("stopped by a signal; what was done is saved");
+        }
+        if let Some(bad) = rendered.bad.first() {
+            let [x, y] = bad.pixel;
+            let why = reason(bad.reason);
+            let n = rendered.refused;
+            console.message(&format!(
+                "note: {n} samples refused, the first at pixel {x},{y} in pass {}: {why}",
+                bad.pass
+            ));
+        }
+        if let Some(cut) = rendered.counters.map(|c| c.capped).filter(|&n| n > 0) {
+            console.message(&format!("note: {cut} paths were cut by the safety cap on their length"));
+        }
+    }
+}
+
+fn software() -> String {
+    format!("epsilux {}", env!("CARGO_PKG_VERSION"))
+}
+
+fn reason(refusal: Refusal) -> &'static str {
+    match refusal {
+        Refusal::NotANumber => "not a number",
+        Refusal::Overflow => "infinite, or too large",
+        Refusal::Negative => "negative",
+    }
+}
+
+/// SHA-256 of the scene's canonical form.
+fn scene_hash(scene: &Scene) -> String {
+    Sha256::digest(text::to_json(scene)).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// Drops the layers that were not asked for.
+fn keep_layers(image: &mut Image, aovs: &[Aov]) {
+    let wanted = |name: &str| aovs.iter().any(|a| name.split('.').next() == Some(a.group()));
+    image.layers.retain(|l| l.channels.iter().any(|(name, _)| wanted(name)));
+}

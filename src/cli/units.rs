@@ -1,0 +1,124 @@
+//! Words that stand for sizes, times and rectangles.
+
+use std::time::Duration;
+
+/// `WIDTHxHEIGHT` in pixels, each from 1 to 65536.
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some([number(w)?, number(h)?]));
+    parsed
+        .filter(|[w, h]| (1..=65_536).contains(w) && (1..=65_536).contains(h))
+        .ok_or_else(|| "expected WIDTHxHEIGHT in pixels, each from 1 to 65536, such as 800x600".into())
+}
+
+/// `X,Y,WIDTH,HEIGHT` in pixels of the whole picture, from its top left corner.
+pub(super) fn crop(text: &str) -> Result<[u32; 4], String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(number).collect();
+    numbers.and_then(|n| <[u32; 4]>::try_from(n).ok()).filter(|[_, _, w, h]| *w > 0 && *h > 0).ok_or_else(
+        || "expected X,Y,WIDTH,HEIGHT in pixels from the top left corner, such as 0,0,64,64".into(),
+    )
+}
+
+/// A time with its unit: `500ms`, `30s`, `5min`, `2h`; a bare number is seconds.
+pub(super) fn time(text: &str) -> Result<Duration, String> {
+    let text = text.trim();
+    let unit_at = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(unit_at);
+    let seconds = match unit {
+        "ms" => Some(0.001),
+        "" | "s" => Some(1.0),
+        "m" | "min" => Some(60.0),
+        "h" => Some(3600.0),
+        _ => None,
+    };
+    let seconds = seconds.and_then(|s| Some(s * number.trim().parse::<f64>().ok()?));
+    seconds
+        .filter(|s| *s > 0.0)
+        .and_then(|s| Duration::try_from_secs_f64(s).ok())
+        .filter(|d| !d.is_zero())
+        .ok_or_else(|| "expected a time above zero, such as 500ms, 30s, 5min or 2h".into())
+}
+
+/// Stops of exposure.
+pub(super) fn stops(text: &str) -> Result<f32, String> {
+    let parsed = text.trim().parse::<f32>().ok().filter(|v| v.abs() <= 100.0);
+    parsed.ok_or_else(|| "expected a number of stops from -100 to 100, such as 1.5".into())
+}
+
+/// A time for people: `0.4 s`, `12 s`, `3 min 20 s`, `2 h 5 min`.
+pub(super) fn show_time(seconds: f64) -> String {
+    let whole = seconds.max(0.0).round() as u64;
+    match whole {
+        0..10 => format!("{:.1} s", seconds.max(0.0)),
+        10..120 => format!("{whole} s"),
+        120..7200 => format!("{} min {} s", whole / 60, whole % 60),
+        _ => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+/// Digits alone: no sign, no space.
+fn number(text: &str) -> Option<u32> {
+    text.bytes().all(|b| b.is_ascii_digit()).then(|| text.parse().ok()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        for (text, expected) in [
+            ("800x600", Some([800, 600])),
+            ("1X1", Some([1, 1])),
+            ("0x0", None),
+            ("800", None),
+            ("-8x6", None),
+            ("+8x6", None),
+            ("65537x1", None),
+            ("99999999999x1", None),
+            ("x", None),
+        ] {
+            assert_eq!(size(text).ok(), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn crops() {
+        for (text, expected) in [
+            ("1,2,3,4", Some([1, 2, 3, 4])),
+            ("1,2,3", None),
+            ("1,2,0,4", None),
+            ("1,2,3,4,5", None),
+            ("", None),
+        ] {
+            assert_eq!(crop(text).ok(), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn times() {
+        for (text, seconds) in [
+            ("30s", Some(30.0)),
+            ("30", Some(30.0)),
+            ("0.5min", Some(30.0)),
+            ("250ms", Some(0.25)),
+            ("1 h", Some(3600.0)),
+            ("0s", None),
+            ("-3s", None),
+            ("1e-12s", None),
+            ("1e300h", None),
+            ("NaN", None),
+            ("5 days", None),
+        ] {
+            assert_eq!(time(text).ok().map(|d| d.as_secs_f64()), seconds, "{text}");
+        }
+    }
+
+    #[test]
+    fn shown_times() {
+        for (seconds, expected) in
+            [(0.44, "0.4 s"), (59.6, "60 s"), (200.0, "3 min 20 s"), (7500.0, "2 h 5 min"), (-1.0, "0.0 s")]
+        {
+            assert_eq!(show_time(seconds), expected);
+        }
+    }
+}
