@@ -13,6 +13,7 @@ pub mod bsdf;
 pub mod cli;
 pub mod color;
 pub mod film;
+pub mod guide;
 pub mod import;
 pub mod integrate;
 pub mod light;

@@ -167,7 +167,7 @@ fn ties_go_to_the_lower_id() {
     };
     let placement = Placement { mesh: 0, to_world: DAffine3::IDENTITY, hidden: false };
     let ray = Ray::new(Vec3::new(0.0, 0.0, 5.0), -Vec3::Z);
-    let world = Accel::new(square(0.0), vec![square(0.0)], &[placement.clone()]);
+    let world = Accel::new(square(0.0), vec![square(0.0)], std::slice::from_ref(&placement));
     let hit = world.closest(&ray, PrimitiveId::NONE, RayKind::Other).expect("a hit");
     assert_eq!(hit.id, PrimitiveId { instance: 0, primitive: 0 });
     let nearer = Accel::new(square(0.0), vec![square(1.0)], &[placement.clone(), placement]);

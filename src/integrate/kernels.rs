@@ -6,19 +6,22 @@ use crate::prepare::{KERNELS, KernelSet, Plan, Prepared};
 use crate::sampling::Address;
 use crate::shape::Ray;
 
+/// Radiance along a camera ray, W sr^-1 m^-2, for one set of effects.
+pub type LiFn = fn(&Prepared, Address, Ray, &mut Counters) -> Rgb;
+
 /// A compiled transport loop.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     /// Its name and what it simulates.
     pub set: KernelSet,
     /// Radiance along a camera ray.
-    pub li: fn(&Prepared, Address, Ray, &mut Counters) -> Rgb,
+    pub li: LiFn,
 }
 
 /// The kernel that a plan names.
 #[must_use]
 pub fn kernel(plan: &Plan) -> Kernel {
-    let compiled: [fn(&Prepared, Address, Ray, &mut Counters) -> Rgb; KERNELS.len()] = [
+    let compiled: [LiFn; KERNELS.len()] = [
         li::<{ KERNELS[0].simulates.0 }>,
         li::<{ KERNELS[1].simulates.0 }>,
         li::<{ KERNELS[2].simulates.0 }>,

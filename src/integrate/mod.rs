@@ -13,6 +13,6 @@ mod render;
 mod roulette;
 mod scatter;
 
-pub use kernels::{Kernel, kernel};
+pub use kernels::{Kernel, LiFn, kernel};
 pub use li::Counters;
 pub use render::{BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, render, replay};

@@ -1,6 +1,7 @@
 //! Repository chores: `cargo xtask --help` lists them; each is a subcommand in a file of its own.
 
 mod blender;
+mod tidy;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -18,11 +19,13 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Chore {
     Blender(blender::Arguments),
+    Tidy(tidy::Arguments),
 }
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().chore {
         Chore::Blender(arguments) => blender::run(&arguments),
+        Chore::Tidy(arguments) => tidy::run(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
