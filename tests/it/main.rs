@@ -1,0 +1,6 @@
+//! Integration tests: the library and the command as their users meet them.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod bytes;
