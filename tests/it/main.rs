@@ -1,5 +1,9 @@
 //! Fast tests of the repository and of the whole program.
 
+#[path = "../support/mod.rs"]
+mod support;
+
+mod bytes;
 mod command;
 mod compare;
 mod help;
