@@ -140,7 +140,7 @@ fn step<const FX: u32>(
         return Next::Done;
     }
 
-    // Direct light: one light, by power.
+    // Direct light: one light, by what it could contribute.
     let material = scene.material_of(surface.object);
     let bsdf = &scene.materials[material as usize].bsdf;
     let context = LightContext {

@@ -9,6 +9,7 @@
 //! light emits towards a point is known from where the ray meets it.
 
 mod ellipse;
+mod pick;
 mod rectangle;
 mod set;
 mod sphere;

@@ -63,6 +63,13 @@ impl Rectangle {
         self.n
     }
 
+    /// All four corners.
+    #[must_use]
+    pub fn corners(&self) -> [Vec3; 4] {
+        let [a, b] = self.edges;
+        [Vec3::ZERO, a, b, a + b].map(|o| self.corner + o)
+    }
+
     /// The corner that the edges leave.
     #[must_use]
     pub fn corner(&self) -> Vec3 {

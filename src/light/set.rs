@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
+use super::pick::Pick;
 use super::{Ellipse, LightContext, Rectangle, SphereLight, SurfaceSample, TriangleLight};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::Frame;
-use crate::sampling::Discrete;
 use crate::sampling::warp::{
     SQUARE_TO_SPHERE_PDF, square_to_cone, square_to_cone_pdf, square_to_cosine_hemisphere,
     square_to_cosine_hemisphere_pdf, square_to_sphere,
@@ -173,7 +173,7 @@ pub struct FreeHit {
 #[derive(Clone, Debug, Default)]
 pub struct LightSet {
     emitters: Vec<Emitter>,
-    pick: Discrete,
+    pick: Pick,
     /// Light of each world primitive, `u32::MAX` for none; empty where no surface emits.
     of_primitive: Vec<u32>,
     free: Vec<u32>,
@@ -191,13 +191,14 @@ pub(super) fn area_pdf(p: Vec3, q: Vec3, n: Vec3, area: f64) -> f32 {
 }
 
 impl LightSet {
-    /// The set over `emitters`, chosen in proportion to their power; `primitives` is the number of
-    /// primitives of the world and `scene_radius` the radius of a sphere around everything, which
-    /// distant lights shine on.
+    /// The set over the lights in `groups` (the emissive primitives of one object, or one light each);
+    /// `primitives` is the number of primitives of the world and `scene_radius` the radius of a sphere
+    /// around everything, which distant lights shine on.
     #[must_use]
-    pub fn new(emitters: Vec<Emitter>, primitives: usize, scene_radius: f64) -> Self {
-        let powers: Vec<f64> = emitters.iter().map(|e| e.power(scene_radius)).collect();
-        let mut set = Self { pick: Discrete::new(&powers), ..Self::default() };
+    pub fn new(groups: Vec<Vec<Emitter>>, primitives: usize, scene_radius: f64) -> Self {
+        let sizes: Vec<usize> = groups.iter().map(Vec::len).collect();
+        let emitters: Vec<Emitter> = groups.into_iter().flatten().collect();
+        let mut set = Self { pick: Pick::new(&emitters, &sizes, scene_radius), ..Self::default() };
         for (i, emitter) in emitters.iter().enumerate() {
             let i = i as u32;
             let mut own = |ids: &[PrimitiveId]| {
@@ -266,13 +267,13 @@ impl LightSet {
             Emitter::Sphere { shape, primitive, .. } => shape.pdf(ctx.p, *primitive == Some(ctx.from), q, n),
             Emitter::Point { .. } | Emitter::Sun { .. } | Emitter::Environment { .. } => 0.0,
         };
-        density * self.pick.pmf(light.0 as usize)
+        density * self.pick.pmf(ctx.p, light.0 as usize)
     }
 
-    /// One light, in proportion to its power (`u[0]`), and a direction towards it.
+    /// One light, by what it could contribute (`u[0]`), and a direction towards it.
     #[must_use]
     pub fn sample(&self, ctx: &LightContext, u: [f32; 3]) -> Option<LightSample> {
-        let (i, pmf, _) = self.pick.sample(u[0])?;
+        let (i, pmf) = self.pick.sample(ctx.p, u[0])?;
         let uv = [u[1], u[2]];
         let emitter = &self.emitters[i];
         match emitter {
@@ -381,7 +382,7 @@ impl LightSet {
     #[inline]
     pub fn distant(&self, d: Vec3, ctx: Option<&LightContext>, mut found: impl FnMut(Rgb, bool, f32)) {
         for &i in &self.distant {
-            let pmf = self.pick.pmf(i as usize);
+            let pmf = ctx.map_or(0.0, |c| self.pick.pmf(c.p, i as usize));
             match self.emitters[i as usize] {
                 Emitter::Environment { radiance, visible_to_camera } => {
                     found(radiance, visible_to_camera, ctx.map_or(0.0, |c| environment_pdf(c, d)) * pmf);
@@ -400,6 +401,37 @@ impl LightSet {
 }
 
 impl Emitter {
+    /// Points whose bounding box holds the light, where it has a place.
+    pub(super) fn corners(&self) -> Vec<Vec3> {
+        match self {
+            Self::Triangle { shape, .. } => shape.v.to_vec(),
+            Self::Rectangle { shape, .. } => shape.corners().to_vec(),
+            Self::Ellipse { shape, .. } => {
+                let [a, b] = shape.half_axes;
+                [a + b, a - b, b - a, -a - b].map(|o| shape.center + o).to_vec()
+            }
+            Self::Sphere { shape, .. } => {
+                let r = Vec3::splat(shape.radius);
+                vec![shape.center - r, shape.center + r]
+            }
+            Self::Point { position, .. } => vec![*position],
+            Self::Sun { .. } | Self::Environment { .. } => Vec::new(),
+        }
+    }
+
+    /// Radiant intensity in the direction where it is largest, W sr^-1; zero for distant lights.
+    pub(super) fn peak_intensity(&self) -> f64 {
+        let flat = |radiance: Rgb, area: f64| f64::from(radiance.luminance()) * area;
+        match self {
+            Self::Triangle { shape, radiance, .. } => flat(*radiance, shape.area()),
+            Self::Rectangle { shape, radiance, .. } => flat(*radiance, shape.area()),
+            Self::Ellipse { shape, radiance, .. } => flat(*radiance, shape.area()),
+            Self::Sphere { shape, radiance, .. } => flat(*radiance, 0.25 * shape.area()),
+            Self::Point { intensity, .. } => f64::from(intensity.luminance()),
+            Self::Sun { .. } | Self::Environment { .. } => 0.0,
+        }
+    }
+
     /// Radiant power, W, averaged over colour; for distant lights what falls on a sphere of `scene_radius`.
     #[must_use]
     pub fn power(&self, scene_radius: f64) -> f64 {

@@ -10,22 +10,29 @@ use crate::light::{
 };
 use crate::scene::{AreaShape, Light, LightKind, Scene, Sides, SpotFalloff};
 
-/// Everything that emits, in the order of objects, lights, environment.
-pub(super) fn collect(scene: &Scene, flat: &Flat) -> Vec<Emitter> {
-    let mut emitters = Vec::new();
+/// Everything that emits, in the order of objects, lights, environment; the primitives of an object are
+/// one group.
+pub(super) fn collect(scene: &Scene, flat: &Flat) -> Vec<Vec<Emitter>> {
+    let mut groups = Vec::new();
     for (object, range) in scene.objects.iter().zip(&flat.range) {
         let emission = scene.materials[object.material.0 as usize].kind.emission();
         if let (Some((radiance, sides)), &Some((first, count))) = (emission, range) {
+            let mut emitters = Vec::new();
             surfaces(flat, first, count, radiance, sides == Sides::Both, &mut emitters);
+            groups.push(emitters);
         }
     }
-    emitters.extend(scene.lights.iter().filter_map(free));
+    groups.extend(scene.lights.iter().filter_map(free).map(|e| vec![e]));
     if let Some(e) = &scene.environment
         && !e.radiance.is_black()
     {
-        emitters.push(Emitter::Environment { radiance: e.radiance, visible_to_camera: e.visible_to_camera });
+        groups.push(vec![Emitter::Environment {
+            radiance: e.radiance,
+            visible_to_camera: e.visible_to_camera,
+        }]);
     }
-    emitters
+    groups.retain(|g| !g.is_empty());
+    groups
 }
 
 /// The emissive primitives of one object; neighbouring triangles that form a rectangle become one.
@@ -176,7 +183,7 @@ fn principal_axes(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
 /// The magnitude of radiance that the film is made for: the brightest emitter, where a point counts
 /// as seen from as far away as `camera` is: what a picture shows is not much nearer to it or farther from
 /// it than that, however large the scene may be. At least the smallest normal number.
-pub(super) fn brightest(emitters: &[Emitter], camera: DVec3, scene_radius: f64) -> f32 {
+pub(super) fn brightest(groups: &[Vec<Emitter>], camera: DVec3, scene_radius: f64) -> f32 {
     let irradiance = |position: Vec3, intensity: Rgb| {
         let d = position.as_dvec3().distance(camera);
         // A light that the camera carries says nothing about the distance to what it lights.
@@ -193,5 +200,5 @@ pub(super) fn brightest(emitters: &[Emitter], camera: DVec3, scene_radius: f64) 
         Emitter::Sun { irradiance, .. } => *irradiance,
         Emitter::Point { position, intensity, .. } => irradiance(*position, *intensity),
     };
-    emitters.iter().map(|e| radiance(e).max_channel()).fold(f32::MIN_POSITIVE, f32::max)
+    groups.iter().flatten().map(|e| radiance(e).max_channel()).fold(f32::MIN_POSITIVE, f32::max)
 }
