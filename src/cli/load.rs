@@ -1,5 +1,6 @@
 //! From a path as typed to a complete scene with notes.
 
+use std::io::ErrorKind;
 use std::path::Path;
 
 use super::args::SceneArgs;
@@ -43,12 +44,10 @@ fn is_text(path: &Path) -> bool {
 /// The text form, whose mistakes are shown with their line.
 fn read_text(path: &Path) -> Result<(Scene, Vec<Note>), Failure> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| {
-        let failure = Failure::load(format!("{name}: cannot read: {e}"));
-        match e.kind() {
-            std::io::ErrorKind::NotFound => failure.help("`epsilux demo` renders a scene without any file"),
-            _ => failure,
-        }
+    let bytes = std::fs::read(path).map_err(|e| match e.kind() {
+        ErrorKind::NotFound => Failure::load(format!("{name}: no such file"))
+            .help("`epsilux demo` renders a scene without any file"),
+        _ => Failure::load(format!("{name}: cannot read: {e}")),
     })?;
     let text = String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();

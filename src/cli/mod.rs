@@ -1,7 +1,7 @@
 //! The command line: arguments in, exit code out.
 //!
 //! In: words as typed. Out: files, results on standard output, messages on standard error, and an exit
-//! code (see [`Code`]). [`args`] holds flags as typed; each subcommand turns them into options as meant in
+//! code (`Code`). `args` holds flags as typed; each subcommand turns them into options as meant in
 //! one step and calls the library, which sees only options. Nothing else in the crate prints.
 
 mod args;

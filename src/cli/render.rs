@@ -220,8 +220,9 @@ impl Job {
         if !self.quiet {
             self.summarise(&rendered, seconds, stopped, console);
         }
-        for path in &self.outputs {
-            console.result(&path.display().to_string())?;
+        if !self.quiet {
+            let names = self.outputs.iter().map(|p| p.display().to_string()).collect::<Vec<_>>();
+            console.result(&names.join("\n"))?;
         }
         Ok(stopped.unwrap_or(Code::Done))
     }
@@ -393,10 +394,10 @@ impl Job {
 
     fn summarise(&self, rendered: &Rendered, seconds: Seconds, stopped: Option<Code>, console: &Console) {
         let samples = rendered.passes[1] - rendered.passes[0];
-        let mut line = format!("{samples} samples per pixel in {}", show_time(seconds.render));
+        let mut line = format!("{} per pixel in {}", many(samples, "sample"), show_time(seconds.render));
         if let Some(c) = rendered.counters {
             let mrays = c.rays as f64 / seconds.render.max(1e-9) / 1e6;
-            line += &format!(", {mrays:.2} Mrays/s on {} threads", rendered.threads);
+            line += &format!(", {mrays:.2} Mrays/s on {}", many(rendered.threads as u64, "thread"));
         }
         console.message(&line);
         if rendered.partial {
@@ -410,15 +411,23 @@ impl Job {
         if let Some(bad) = rendered.bad.first() {
             let [x, y] = bad.pixel;
             let why = reason(bad.reason);
-            let n = rendered.refused;
+            let n = many(rendered.refused, "sample");
             console.message(&format!(
-                "note: {n} samples refused, the first at pixel {x},{y} in pass {}: {why}",
+                "note: {n} refused, the first at pixel {x},{y} in pass {}: {why}",
                 bad.pass
             ));
         }
         if let Some(cut) = rendered.counters.map(|c| c.capped).filter(|&n| n > 0) {
-            console.message(&format!("note: {cut} paths were cut by the safety cap on their length"));
+            console.message(&format!("note: {} cut by the safety cap on length", many(cut, "path")));
         }
+    }
+}
+
+/// A number of things.
+fn many(n: impl Into<u64>, thing: &str) -> String {
+    match n.into() {
+        1 => format!("1 {thing}"),
+        n => format!("{n} {thing}s"),
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::li::{Counters, interior};
 use super::scatter;
-use crate::accel::PrimitiveId;
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
 use crate::light::LightContext;
@@ -24,15 +23,15 @@ pub(super) fn mis_weight(own: f32, other: f32) -> f32 {
     }
 }
 
-/// Radiance scattered from one sampled light, unweighted by the throughput.
+/// Radiance scattered from one sampled light, unweighted by the throughput; `media` are those on the side
+/// of the surface that is seen, and on the other.
 #[inline(always)]
 pub(super) fn direct_light<const FX: u32>(
     scene: &Prepared,
     bsdf: &Bsdf,
     frame: &scatter::Frame,
     context: &LightContext,
-    from: PrimitiveId,
-    medium: Option<u32>,
+    media: [Option<u32>; 2],
     u: [f32; 4],
     counters: &mut Counters,
 ) -> Rgb {
@@ -47,11 +46,11 @@ pub(super) fn direct_light<const FX: u32>(
         return Rgb::BLACK;
     }
     counters.rays += 1;
-    if scene.accel.occluded(&light.shadow_ray, [from, light.target]) {
+    if scene.accel.occluded(&light.shadow_ray, [context.from, light.target]) {
         return Rgb::BLACK;
     }
     if const { Effects(FX).has(Effect::Absorption) }
-        && let Some(medium) = medium
+        && let Some(medium) = media[usize::from(context.crosses(light.wi))]
     {
         ld *= interior(scene, medium, light.shadow_ray.t_max);
     }

@@ -146,15 +146,19 @@ fn step<const FX: u32>(
     let context = LightContext {
         p: surface.p,
         p_err: surface.p_err,
+        from: surface.id,
         ng: surface.ng,
         ns: surface.ns,
         wo,
         transmits: bsdf.transmits(),
     };
     let frame = scatter::Frame::new(&surface, wo);
+    let beyond =
+        if fx.has(Effect::Absorption) { medium_beyond(scene, path.medium, material, &context) } else { None };
     if !bsdf.is_delta() {
         let u = address.block(path.depth, Purpose::Light, 0, 0);
-        let ld = direct_light::<FX>(scene, bsdf, &frame, &context, surface.id, path.medium, u, counters);
+        let media = [path.medium, beyond];
+        let ld = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters);
         path.radiance += path.beta * ld;
     }
 
@@ -166,9 +170,8 @@ fn step<const FX: u32>(
     };
     path.beta *= sample.weight;
     path.eta_scale *= sample.eta * sample.eta;
-    if fx.has(Effect::Absorption) && sample.eta != 1.0 {
-        let enters = wi.dot(surface.ng) < 0.0;
-        path.medium = (enters && scene.materials[material as usize].interior.is_some()).then_some(material);
+    if fx.has(Effect::Absorption) && context.crosses(wi) {
+        path.medium = beyond;
     }
     path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
@@ -181,6 +184,21 @@ fn step<const FX: u32>(
         None => return Next::Done,
     }
     Next::Continue
+}
+
+/// The medium on the other side of a surface of `material`, where that on the side of `wo` is `medium`:
+/// the interior from the front, nothing from the back, and the same where nothing is enclosed.
+fn medium_beyond(
+    scene: &Prepared,
+    medium: Option<u32>,
+    material: u32,
+    context: &LightContext,
+) -> Option<u32> {
+    let m = &scene.materials[material as usize];
+    if !m.encloses {
+        return medium;
+    }
+    (context.wo.dot(context.ng) > 0.0 && m.interior.is_some()).then_some(material)
 }
 
 /// Share of light that the interior of a material leaves after `length` metres.

@@ -22,6 +22,8 @@ pub use triangle::TriangleLight;
 
 use glam::Vec3;
 
+use crate::accel::PrimitiveId;
+
 /// What a density of light may depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct LightContext {
@@ -29,6 +31,8 @@ pub struct LightContext {
     pub p: Vec3,
     /// Bound on the error of each of its coordinates.
     pub p_err: Vec3,
+    /// The primitive that it lies on.
+    pub from: PrimitiveId,
     /// Geometric normal, unit.
     pub ng: Vec3,
     /// Shading normal, unit.
@@ -37,6 +41,15 @@ pub struct LightContext {
     pub wo: Vec3,
     /// Whether light from behind the surface counts.
     pub transmits: bool,
+}
+
+impl LightContext {
+    /// Whether light along `wi` comes from the other side of the surface than `wo`.
+    #[inline]
+    #[must_use]
+    pub fn crosses(&self, wi: Vec3) -> bool {
+        wi.dot(self.ng) * self.wo.dot(self.ng) < 0.0
+    }
 }
 
 /// A point on a light, as seen from a point that is lit.

@@ -77,6 +77,14 @@ impl Rectangle {
         a >= 0.0 && a <= self.size[0] && b >= 0.0 && b <= self.size[1]
     }
 
+    /// Whether the point `p` of the rectangle lies in the triangle opposite to the corner, beyond the
+    /// diagonal between the ends of the edges.
+    #[must_use]
+    pub fn in_second_half(&self, p: Vec3) -> bool {
+        let d = p.as_dvec3() - self.corner.as_dvec3();
+        d.dot(self.x) / self.size[0] + d.dot(self.y) / self.size[1] > 1.0
+    }
+
     /// Area, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {

@@ -263,7 +263,7 @@ impl LightSet {
             Emitter::Triangle { shape, .. } => shape.pdf(ctx.p, q),
             Emitter::Rectangle { shape, .. } => shape.pdf(ctx.p, q),
             Emitter::Ellipse { shape, .. } => shape.pdf(ctx.p, q),
-            Emitter::Sphere { shape, .. } => shape.pdf(ctx.p, q, n),
+            Emitter::Sphere { shape, primitive, .. } => shape.pdf(ctx.p, *primitive == Some(ctx.from), q, n),
             Emitter::Point { .. } | Emitter::Sun { .. } | Emitter::Environment { .. } => 0.0,
         };
         density * self.pick.pmf(light.0 as usize)
@@ -280,15 +280,19 @@ impl LightSet {
                 surface(ctx, shape.sample(ctx.p, uv)?, *radiance, *both_sides, None, pmf, *primitive)
             }
             Emitter::Rectangle { shape, radiance, both_sides, primitives, .. } => {
-                let target = primitives.map_or(PrimitiveId::NONE, |p| p[0]);
-                surface(ctx, shape.sample(ctx.p, uv)?, *radiance, *both_sides, None, pmf, target)
+                let s = shape.sample(ctx.p, uv)?;
+                // The ray ends on one of the two; it must not meet that one at its very end.
+                let target =
+                    primitives.map_or(PrimitiveId::NONE, |p| p[usize::from(shape.in_second_half(s.p))]);
+                surface(ctx, s, *radiance, *both_sides, None, pmf, target)
             }
             Emitter::Ellipse { shape, radiance, .. } => {
                 surface(ctx, shape.sample(ctx.p, uv)?, *radiance, false, None, pmf, PrimitiveId::NONE)
             }
             Emitter::Sphere { shape, radiance, both_sides, spot, primitive, .. } => {
                 let target = primitive.unwrap_or(PrimitiveId::NONE);
-                surface(ctx, shape.sample(ctx.p, uv)?, *radiance, *both_sides, spot.as_ref(), pmf, target)
+                let s = shape.sample(ctx.p, *primitive == Some(ctx.from), uv)?;
+                surface(ctx, s, *radiance, *both_sides, spot.as_ref(), pmf, target)
             }
             Emitter::Point { position, intensity, spot } => {
                 let d = *position - ctx.p;

@@ -24,17 +24,18 @@ impl SphereLight {
     }
 
     /// 1 - cos of the half angle under which the sphere is seen from `p`, without cancellation;
-    /// `None` from inside.
-    fn one_minus_cos(&self, p: Vec3) -> Option<f32> {
+    /// `None` from inside, and for a point that lies `on_it`, from which every other point of the sphere
+    /// is seen from inside, whichever side rounding put the point on.
+    fn one_minus_cos(&self, p: Vec3, on_it: bool) -> Option<f32> {
         let d2 = (self.center.as_dvec3() - p.as_dvec3()).length_squared();
         let sin2 = f64::from(self.radius) * f64::from(self.radius) / d2;
-        (sin2 < 1.0).then(|| (sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
+        (sin2 < 1.0 && !on_it).then(|| (sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
     }
 
-    /// A point of the sphere as seen from `p`.
+    /// A point of the sphere as seen from `p`; `on_it` says that `p` is a point of this very sphere.
     #[must_use]
-    pub fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<SurfaceSample> {
-        let Some(one_minus_cos) = self.one_minus_cos(p) else {
+    pub fn sample(&self, p: Vec3, on_it: bool, u: [f32; 2]) -> Option<SurfaceSample> {
+        let Some(one_minus_cos) = self.one_minus_cos(p, on_it) else {
             let n = square_to_sphere(u);
             let q = self.center + n * self.radius;
             let pdf = super::set::area_pdf(p, q, n, self.area());
@@ -54,8 +55,8 @@ impl SphereLight {
     /// Density per solid angle at `p` of [`Self::sample`] for the direction to the point `q` of the
     /// sphere with unit normal `n`.
     #[must_use]
-    pub fn pdf(&self, p: Vec3, q: Vec3, n: Vec3) -> f32 {
-        match self.one_minus_cos(p) {
+    pub fn pdf(&self, p: Vec3, on_it: bool, q: Vec3, n: Vec3) -> f32 {
+        match self.one_minus_cos(p, on_it) {
             Some(h) => square_to_cone_pdf(h),
             None => super::set::area_pdf(p, q, n, self.area()),
         }
@@ -74,10 +75,10 @@ mod tests {
             let ratio = f64::from(r) / f64::from(d);
             let one_minus_cos = ratio * ratio / (1.0 + (1.0 - ratio * ratio).sqrt());
             let expected = 1.0 / (2.0 * std::f64::consts::PI * one_minus_cos);
-            let s = light.sample(Vec3::ZERO, [0.3, 0.7]).expect("visible");
+            let s = light.sample(Vec3::ZERO, false, [0.3, 0.7]).expect("visible");
             assert!((f64::from(s.pdf) / expected - 1.0).abs() < 1e-5, "{r} {d}");
             let on_sphere = ((s.p - light.center).length() - r).abs() <= 4.0 * f32::EPSILON * d;
-            assert!(on_sphere && light.pdf(Vec3::ZERO, s.p, s.n) == s.pdf);
+            assert!(on_sphere && light.pdf(Vec3::ZERO, false, s.p, s.n) == s.pdf);
         }
     }
 
@@ -89,9 +90,29 @@ mod tests {
         let mut sum = 0.0;
         for i in 0..n * n {
             let u = [(i % n) as f32 + 0.5, (i / n) as f32 + 0.5].map(|x| x / n as f32);
-            sum += 1.0 / f64::from(light.sample(Vec3::new(0.5, -0.2, 0.1), u).expect("inside").pdf);
+            sum += 1.0 / f64::from(light.sample(Vec3::new(0.5, -0.2, 0.1), false, u).expect("inside").pdf);
         }
         let whole = 4.0 * std::f64::consts::PI;
         assert!((sum / f64::from(n * n) / whole - 1.0).abs() < 1e-4);
+    }
+
+    /// A point of the sphere lights itself: half of such points lie outside by rounding, and must see the
+    /// inside all the same. The directions to the samples are then distributed as the cosine.
+    #[test]
+    fn a_point_of_the_sphere_sees_all_of_it() {
+        let light = SphereLight { center: Vec3::new(0.2, 0.1, 0.3), radius: 1.0 };
+        for scale in [1.0 - 2e-7, 1.0, 1.0 + 2e-7f32] {
+            let n = Vec3::new(0.36, 0.48, 0.8);
+            let p = light.center + n * scale;
+            let (count, mut cos) = (256, 0.0);
+            for i in 0..count * count {
+                let u = [(i % count) as f32 + 0.5, (i / count) as f32 + 0.5].map(|x| x / count as f32);
+                let s = light.sample(p, true, u).expect("another point");
+                let w = (s.p - p).normalize();
+                assert!((light.pdf(p, true, s.p, s.n) / s.pdf - 1.0).abs() < 1e-6);
+                cos += f64::from(-w.dot(n));
+            }
+            assert!((cos / f64::from(count * count) - 2.0 / 3.0).abs() < 1e-3, "{scale} {cos}");
+        }
     }
 }

@@ -81,7 +81,7 @@ fn free(light: &Light) -> Option<Emitter> {
     let position = m.translation.as_vec3();
     let forward = -m.matrix3.z_axis.try_normalize()?;
     let visible_to_camera = light.visible_to_camera;
-    let scale = m.matrix3.x_axis.length();
+    let scale = libm::cbrt(m.matrix3.determinant().abs());
     let ball = |intensity: Rgb, radius: f64, spot: Option<Spot>| {
         let radius = radius * scale;
         if radius > 0.0 {
@@ -109,7 +109,7 @@ fn free(light: &Light) -> Option<Emitter> {
         }
         LightKind::Area { shape, size, radiance } => {
             let (x, y) = (m.matrix3.x_axis * size[0], m.matrix3.y_axis * size[1]);
-            area(shape, m.translation, x, y, forward.as_vec3(), radiance, visible_to_camera)?
+            area(shape, m.translation, x, y, forward, radiance, visible_to_camera)?
         }
     };
     (emitter.power(1.0) > 0.0).then_some(emitter)
@@ -133,13 +133,14 @@ fn area(
     center: DVec3,
     x: DVec3,
     y: DVec3,
-    n: Vec3,
+    forward: DVec3,
     radiance: Rgb,
     visible_to_camera: bool,
 ) -> Option<Emitter> {
+    // Edges in the order that makes the normal point to the side of own -Z, of mirrored lights too.
+    let (x, y) = if y.cross(x).dot(forward) < 0.0 { (y, x) } else { (x, y) };
     match shape {
         AreaShape::Rectangle => {
-            // Edges in the order that makes the normal -Z.
             let corner = (center - 0.5 * x - 0.5 * y).as_vec3();
             let shape = Rectangle::new(corner, [y.as_vec3(), x.as_vec3()])?;
             Some(Emitter::Rectangle {
@@ -151,17 +152,38 @@ fn area(
             })
         }
         AreaShape::Ellipse => {
-            let half_axes = [(0.5 * x).as_vec3(), (0.5 * y).as_vec3()];
+            let n = y.cross(x).try_normalize()?.as_vec3();
+            let (a, b) = principal_axes(0.5 * x, 0.5 * y);
+            let half_axes = [a.as_vec3(), b.as_vec3()];
             let shape = Ellipse { center: center.as_vec3(), half_axes, n };
             Some(Emitter::Ellipse { shape, radiance, visible_to_camera })
         }
     }
 }
 
-/// The magnitude of radiance that the film is made for: the brightest emitter, where light without an
-/// extent counts as seen from across the scene. At least the smallest normal number.
-pub(super) fn brightest(emitters: &[Emitter], scene_radius: f64) -> f32 {
-    let r = if scene_radius > 0.0 { scene_radius as f32 } else { 1.0 };
+/// The perpendicular half axes of the ellipse a cos(t) + b sin(t): those at t and t + pi/2 with
+/// tan(2 t) = 2 a.b / (a^2 - b^2).
+fn principal_axes(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
+    let skew = 2.0 * a.dot(b);
+    if skew.abs() <= 1e-12 * a.length() * b.length() {
+        return (a, b);
+    }
+    let t = 0.5 * libm::atan2(skew, a.length_squared() - b.length_squared());
+    let (s, c) = (libm::sin(t), libm::cos(t));
+    (a * c + b * s, b * c - a * s)
+}
+
+/// The magnitude of radiance that the film is made for: the brightest emitter, where a point counts
+/// as seen from as far away as `camera` is: what a picture shows is not much nearer to it or farther from
+/// it than that, however large the scene may be. At least the smallest normal number.
+pub(super) fn brightest(emitters: &[Emitter], camera: DVec3, scene_radius: f64) -> f32 {
+    let irradiance = |position: Vec3, intensity: Rgb| {
+        let d = position.as_dvec3().distance(camera);
+        // A light that the camera carries says nothing about the distance to what it lights.
+        let across = if scene_radius > 0.0 { scene_radius } else { 1.0 };
+        let d = if d > 0.0 { d } else { across };
+        intensity.map(|i| (f64::from(i) / (d * d)).min(f64::from(f32::MAX)) as f32)
+    };
     let radiance = |e: &Emitter| match e {
         Emitter::Triangle { radiance, .. }
         | Emitter::Rectangle { radiance, .. }
@@ -169,7 +191,7 @@ pub(super) fn brightest(emitters: &[Emitter], scene_radius: f64) -> f32 {
         | Emitter::Sphere { radiance, .. }
         | Emitter::Environment { radiance, .. } => *radiance,
         Emitter::Sun { irradiance, .. } => *irradiance,
-        Emitter::Point { intensity, .. } => *intensity / (r * r),
+        Emitter::Point { position, intensity, .. } => irradiance(*position, *intensity),
     };
     emitters.iter().map(|e| radiance(e).max_channel()).fold(f32::MIN_POSITIVE, f32::max)
 }

@@ -18,6 +18,8 @@ pub struct PreparedMaterial {
     pub bsdf: Bsdf,
     /// What the inside does to light that was refracted into it; `None` where it does nothing.
     pub interior: Option<Interior>,
+    /// Whether light that is transmitted enters or leaves a volume; false for sheets.
+    pub encloses: bool,
     /// What the albedo feature shows.
     pub albedo: Rgb,
 }
@@ -76,7 +78,7 @@ pub(super) fn compile(scene: &Scene) -> Vec<PreparedMaterial> {
 }
 
 fn compile_one(kind: &MaterialKind, rows: &mut Rows) -> PreparedMaterial {
-    let plain = |bsdf, albedo| PreparedMaterial { bsdf, interior: None, albedo };
+    let plain = |bsdf, albedo| PreparedMaterial { bsdf, interior: None, encloses: false, albedo };
     match kind {
         MaterialKind::Diffuse { color } => plain(diffuse(*color), *color),
         MaterialKind::Mirror { color } => plain(Bsdf::Mirror(Mirror { color: *color }), *color),
@@ -84,11 +86,13 @@ fn compile_one(kind: &MaterialKind, rows: &mut Rows) -> PreparedMaterial {
         MaterialKind::Glass(g) => PreparedMaterial {
             bsdf: Bsdf::Glass(Glass { ior: g.ior, tint: g.tint, thin: false }),
             interior: g.absorption.as_ref().and_then(Interior::new),
+            encloses: true,
             albedo: g.tint,
         },
         MaterialKind::Principled(p) => PreparedMaterial {
             bsdf: principled(p, rows),
             interior: p.absorption.as_ref().filter(|_| !p.thin).and_then(Interior::new),
+            encloses: !p.thin,
             albedo: p.base_color,
         },
     }
@@ -96,6 +100,17 @@ fn compile_one(kind: &MaterialKind, rows: &mut Rows) -> PreparedMaterial {
 
 fn diffuse(color: Rgb) -> Bsdf {
     if color.is_black() { Bsdf::Black } else { Bsdf::Diffuse(Diffuse { color }) }
+}
+
+/// Whether transmission leaves light on its way, whatever the roughness: a body of index one.
+fn is_straight(p: &scene::Principled) -> bool {
+    p.ior == 1.0 && !p.thin
+}
+
+/// Whether the material is nothing but a smooth dielectric.
+pub(super) fn is_smooth_glass(p: &scene::Principled) -> bool {
+    let smooth = p.roughness * p.roughness < SMOOTH_ALPHA || is_straight(p);
+    smooth && p.metallic == 0.0 && p.transmission == 1.0
 }
 
 /// The principled material, or what it reduces to exactly.
@@ -106,7 +121,7 @@ fn principled(p: &scene::Principled, rows: &mut Rows) -> Bsdf {
     let transmits = dielectric_share * p.transmission > 0.0;
     let opaque = dielectric_share * (1.0 - p.transmission) > 0.0;
     let glass = Glass { ior: p.ior, tint: p.transmission_tint, thin: p.thin };
-    if smooth && p.metallic == 0.0 && p.transmission == 1.0 {
+    if is_smooth_glass(p) {
         return Bsdf::Glass(glass);
     }
     let specular = if opaque { specular(p, alpha, rows) } else { None };
@@ -114,7 +129,7 @@ fn principled(p: &scene::Principled, rows: &mut Rows) -> Bsdf {
         return diffuse(p.base_color);
     }
     let needs_white = !smooth && (p.metallic > 0.0 || specular.is_some());
-    let rough = (!smooth && transmits).then(|| {
+    let rough = (!smooth && transmits && !is_straight(p)).then(|| {
         let total = if p.thin {
             let white = rows.white(alpha);
             [Arc::clone(&white), white]

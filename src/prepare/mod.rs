@@ -135,7 +135,8 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
     let flat = geometry::flatten(scene);
     let lights = lights::collect(scene, &flat);
     let lengths = FixedPoint::around(flat.reach(camera) as f32);
-    let radiance_format = FixedPoint::around(lights::brightest(&lights, flat.radius));
+    let radiance_format =
+        FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
     Ok(Prepared {
         plan,

@@ -300,9 +300,8 @@ impl Needs for MaterialKind {
 
 /// What a principled material compiles to decides; the compiler's tests compare the two.
 fn principled_needs(p: &Principled) -> Vec<Effect> {
-    let smooth_glass = p.metallic == 0.0 && p.transmission == 1.0;
     let plain = p.metallic == 0.0 && p.transmission == 0.0 && (p.specular == 0.0 || p.ior == 1.0);
-    if smooth_glass && p.roughness * p.roughness < crate::bsdf::SMOOTH_ALPHA {
+    if super::material::is_smooth_glass(p) {
         vec![Effect::Refraction]
     } else if plain {
         vec![Effect::Diffuse]

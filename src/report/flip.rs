@@ -293,6 +293,21 @@ mod tests {
         }
     }
 
+    /// The values that the authors' own program (flip-evaluator 1.7, low dynamic range, 67 pixels per
+    /// degree) gives for the same two pictures: mean, two corners, the middle, and a pixel near a border.
+    #[test]
+    fn agrees_with_the_authors_program() {
+        let map = flip(&noise(1), &noise(2), WIDTH);
+        let check =
+            |found: f32, expected: f32| assert!((found - expected).abs() < 2e-4, "{found} {expected}");
+        check(mean(&map), 0.448_559_5);
+        for ([x, y], expected) in
+            [([0, 0], 0.732_446_4), ([20, 15], 0.537_082_5), ([39, 29], 0.459_389_1), ([17, 3], 0.741_147_3)]
+        {
+            check(map[y * WIDTH + x], expected);
+        }
+    }
+
     #[test]
     fn matrices_are_inverse() {
         let c = Rgb::new(0.2, 0.7, 0.4);

@@ -1,3 +1,12 @@
-//! Fast tests of the repository and of the program as a whole.
+//! Fast tests of the repository and of the whole program.
 
+#[path = "../support/mod.rs"]
+mod support;
+
+mod bytes;
+mod command;
+mod compare;
+mod help;
+mod mistakes;
+mod render;
 mod tidy;

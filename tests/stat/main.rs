@@ -1,8 +1,11 @@
-//! Statistical tests: integrators against known answers.
+//! Statistical tests: integrators against known answers, and against each other.
 //!
-//! Every seed is fixed, so a result repeats; every comparison states the error that it would see.
+//! Seeds are made from names, so a result repeats; every comparison states the error that it would see.
 
 #[path = "../support/mod.rs"]
 mod support;
 
+mod agree;
+mod bsdf;
+mod fast;
 mod naive;

@@ -31,7 +31,7 @@ pub(crate) struct Case {
 }
 
 /// A camera ray.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Probe {
     pub(crate) origin: DVec3,
     pub(crate) direction: DVec3,

@@ -1,0 +1,397 @@
+//! The same picture, bit for bit: whatever must not matter to it does not.
+//!
+//! Nothing here is statistical. Pictures are small, and compared as EXR files by their SHA-256.
+
+use epsilux::color::Rgb;
+use epsilux::film::Image;
+use epsilux::glam::{DAffine3, DVec3};
+use epsilux::integrate::{Quiet, RenderOptions, render};
+use epsilux::output::{WriteOptions, write};
+use epsilux::prepare::{EffectsMode, KERNELS, Options, Prepared, prepare};
+use epsilux::scene::text::parse_toml;
+use epsilux::scene::{Absorption, AreaShape, Lens, LightKind, MaterialKind, Scene, SpotFalloff};
+use proptest::prelude::*;
+use sha2::{Digest as _, Sha256};
+
+use crate::support::fast::{options, valid};
+use crate::support::features::{self, camera, dark_stage, round_mesh};
+use crate::support::scaling::scaled;
+use crate::support::scenes::{Build, diffuse, emitter, facing, glass, mirror, principled};
+use crate::support::seed::seed;
+
+const SIZE: [u32; 2] = [20, 14];
+
+/// The scenes of the project that every test here looks at.
+const FILES: [(&str, &str); 5] = [
+    ("hexroom", include_str!("../../scenes/hexroom.toml")),
+    ("hexroom-diffuse", include_str!("../../scenes/hexroom-diffuse.toml")),
+    ("cornell", include_str!("../../scenes/cornell.toml")),
+    ("caustic", include_str!("../../scenes/caustic.toml")),
+    ("materials", include_str!("../../scenes/materials.toml")),
+];
+
+fn files() -> impl Iterator<Item = (String, Scene)> {
+    FILES.iter().map(|(name, text)| (name.to_string(), parse_toml(text).expect("a scene of the project").0))
+}
+
+fn file(name: &str) -> Scene {
+    files().find(|(n, _)| n == name).expect("a scene of the project").1
+}
+
+fn prepared(scene: &Scene, effects: EffectsMode) -> Prepared {
+    let options = Options { effects, ..options(SIZE, seed("bytes"), None) };
+    prepare(scene, &options).expect("a camera")
+}
+
+fn passes() -> RenderOptions {
+    RenderOptions { passes: 0..8, time: None, threads: 1, crop: None, features: true }
+}
+
+/// The picture; no sample may be refused.
+fn picture(scene: &Prepared, options: &RenderOptions) -> Image {
+    let outcome = render(scene, options, &Quiet).expect("passes");
+    assert_eq!(outcome.film.refused_total(), 0, "{:?}", outcome.bad);
+    outcome.film.to_image()
+}
+
+/// SHA-256 of the EXR file that `output` writes.
+fn sha(image: &Image) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("picture.exr");
+    write(image, &path, &WriteOptions::default()).expect("a picture that can be written");
+    let digest = Sha256::digest(std::fs::read(&path).expect("the file that was written"));
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn check_equal(a: &Image, b: &Image, what: &str) {
+    let differ = a.rgb.iter().zip(&b.rgb).filter(|(a, b)| a != b).count();
+    assert!(differ == 0, "{what}: {differ} of {} pixels differ", a.rgb.len());
+    assert_eq!(sha(a), sha(b), "{what}: the files differ");
+}
+
+/// Guards the film and the scheduler: how many threads share the work changes no byte.
+#[test]
+fn threads_change_nothing() {
+    for (name, scene) in files() {
+        let scene = prepared(&scene, EffectsMode::Auto);
+        let one = picture(&scene, &passes());
+        for threads in [2, 5] {
+            check_equal(&one, &picture(&scene, &RenderOptions { threads, ..passes() }), &name);
+        }
+    }
+}
+
+/// Guards addresses: a crop is that part of the whole picture, down to its variance.
+#[test]
+fn a_crop_is_a_part_of_the_whole() {
+    for (name, scene) in files() {
+        let scene = prepared(&scene, EffectsMode::Auto);
+        let whole = picture(&scene, &passes());
+        let [x, y, w, h] = [3u32, 5, 12, 7];
+        let part = picture(&scene, &RenderOptions { crop: Some([x, y, w, h]), ..passes() });
+        assert_eq!((part.width, part.height, part.origin, part.full_size), (w, h, [x, y], SIZE));
+        let rows = (0..h).map(|row| ((y + row) * SIZE[0] + x) as usize);
+        for (i, start) in rows.enumerate() {
+            let (here, there) = (i * w as usize..(i + 1) * w as usize, start..start + w as usize);
+            assert_eq!(part.rgb[here.clone()], whole.rgb[there.clone()], "{name}: row {i}");
+            let variance = |image: &Image| image.variance.clone().expect("a variance");
+            assert_eq!(variance(&part)[here], variance(&whole)[there], "{name}: row {i}");
+        }
+    }
+}
+
+/// Guards passes as the unit of work: the mean of passes 0..4 and 4..8 is that of 0..8.
+#[test]
+fn passes_add_up() {
+    let scene = prepared(&file("hexroom"), EffectsMode::Auto);
+    let run = |passes| picture(&scene, &RenderOptions { passes, ..self::passes() });
+    let (first, second, all) = (run(0..4), run(4..8), run(0..8));
+    for ((a, b), c) in first.rgb.iter().zip(&second.rgb).zip(&all.rgb) {
+        for i in 0..3 {
+            let mean = 0.5 * (f64::from(a[i]) + f64::from(b[i]));
+            assert!((mean - f64::from(c[i])).abs() <= 1e-6 * mean, "{mean} {}", c[i]);
+        }
+    }
+    assert_ne!(first.rgb, second.rgb);
+}
+
+/// A scene with each kind of light that has an extent, and with every material, lens and instances.
+fn area_lights() -> Scene {
+    let mut scene = features::everything();
+    scene.environment = None;
+    scene.lights.retain(|l| !matches!(l.kind, LightKind::Sun { .. } | LightKind::Point { .. }));
+    scene.lights.retain(|l| !matches!(l.kind, LightKind::Spot { .. }));
+    let color = Rgb::new(3.0, 4.0, 6.0);
+    let above = DVec3::new(1.5, 4.0, 2.5);
+    let aim = facing(above, above.normalize());
+    scene.light(LightKind::Point { intensity: color, radius: 0.3 }, aim);
+    scene.light(
+        LightKind::Spot { intensity: color, inner: 0.2, outer: 0.7, falloff: SpotFalloff::Gltf, radius: 0.2 },
+        aim,
+    );
+    let (mesh, lamp) = (round_mesh(1, false), emitter(3.0));
+    scene.meshes.push(mesh);
+    let id = epsilux::scene::MeshId(scene.meshes.len() as u32 - 1);
+    let place =
+        DAffine3::from_translation(DVec3::new(-2.0, 3.0, 1.0)) * DAffine3::from_scale(DVec3::splat(0.4));
+    scene.object(epsilux::scene::Shape::Mesh(id), place, lamp);
+    valid(&scene)
+}
+
+/// The materials of the project's scene under its lamps, without its sky.
+fn materials_indoors() -> Scene {
+    Scene { environment: None, ..file("materials") }
+}
+
+/// The caustic, with an absorbing ball.
+fn tinted_caustic() -> Scene {
+    let mut scene = file("caustic");
+    for material in &mut scene.materials {
+        if let MaterialKind::Glass(g) = &mut material.kind {
+            g.absorption = Some(Absorption { color: Rgb::new(0.9, 0.8, 0.5), distance: 0.7 });
+        }
+    }
+    scene
+}
+
+fn scenes_to_scale() -> Vec<(&'static str, Scene)> {
+    vec![
+        ("hexroom", file("hexroom")),
+        ("caustic", tinted_caustic()),
+        ("materials", materials_indoors()),
+        ("area lights", area_lights()),
+    ]
+}
+
+const SCALES: [i32; 4] = [-20, -1, 1, 20];
+
+fn check_scales(name: &str, scene: &Scene, change: impl Fn(Scene) -> Scene) {
+    let radiance = |scene: &Scene| {
+        let image =
+            picture(&prepared(scene, EffectsMode::Auto), &RenderOptions { features: false, ..passes() });
+        assert!(image.rgb.iter().any(|c| !c.is_black()), "{name} is black");
+        image
+    };
+    let unit = radiance(&change(scene.clone()));
+    for k in SCALES {
+        check_equal(&unit, &radiance(&change(scaled(scene, k))), &format!("{name} at 2^{k}"));
+    }
+}
+
+/// Guards against absolute lengths anywhere: a scene of a micrometre and one of a thousand kilometres make
+/// the same picture.
+#[test]
+fn lengths_times_powers_of_two_change_nothing() {
+    for (name, scene) in scenes_to_scale() {
+        check_scales(name, &scene, |scene| scene);
+    }
+}
+
+/// Guards against scale-freedom by normalising: the content grows and shrinks in a black shell that does
+/// not, so that the extent of the whole scene stays what it is.
+#[test]
+fn lengths_in_a_shell_that_stays_change_nothing() {
+    for (name, scene) in scenes_to_scale() {
+        check_scales(name, &scene, |mut scene| {
+            scene.sphere(DVec3::ZERO, 1e9, diffuse(0.0));
+            scene
+        });
+    }
+}
+
+/// Guards the same for lights without an extent, whose intensity grows with the square of lengths.
+#[test]
+fn points_and_spots_scale_too() {
+    let mut scene = dark_stage();
+    scene.sphere(DVec3::Y, 1.0, principled(|p| p.roughness = 0.4));
+    let above = DVec3::new(2.0, 4.0, 1.0);
+    let aim = facing(above, above.normalize());
+    let color = Rgb::new(30.0, 20.0, 10.0);
+    scene.light(LightKind::Point { intensity: color, radius: 0.0 }, aim);
+    scene.light(
+        LightKind::Spot {
+            intensity: color,
+            inner: 0.2,
+            outer: 0.7,
+            falloff: SpotFalloff::Blender,
+            radius: 0.0,
+        },
+        aim,
+    );
+    check_scales("points", &valid(&scene), |scene| scene);
+    check_scales("points in a shell", &valid(&scene), |mut scene| {
+        scene.sphere(DVec3::ZERO, 1e9, diffuse(0.0));
+        scene
+    });
+}
+
+fn check_kernels(name: &str, scene: &Scene) -> usize {
+    let (auto, all) = (prepared(scene, EffectsMode::Auto), prepared(scene, EffectsMode::All));
+    assert_eq!(all.plan.kernel, KERNELS.len() - 1, "{name}");
+    check_equal(&picture(&auto, &passes()), &picture(&all, &passes()), name);
+    auto.plan.kernel
+}
+
+/// Guards pruning: the planned kernel and the one that simulates everything give equal files, and the
+/// project's scenes run every kernel that there is.
+#[test]
+fn the_planned_kernel_and_everything_agree_on_the_projects_scenes() {
+    let used: std::collections::BTreeSet<usize> = files().map(|(name, s)| check_kernels(&name, &s)).collect();
+    assert_eq!(used.len(), KERNELS.len(), "{used:?}");
+}
+
+/// What a generated scene may contain.
+#[derive(Clone, Debug)]
+struct Recipe {
+    materials: Vec<u8>,
+    square_lamp: bool,
+    round_lamp: bool,
+    smooth_mesh: bool,
+    hidden: bool,
+    lights: Vec<u8>,
+    sky: bool,
+    lens: bool,
+}
+
+fn recipe() -> impl Strategy<Value = Recipe> {
+    // Most scenes have few effects, so that small kernels get their share.
+    let rarely = prop::bool::weighted(0.15);
+    (
+        prop::collection::vec(prop_oneof![6 => 0u8..3, 3 => 3u8..6, 1 => 6u8..11], 1..5),
+        any::<bool>(),
+        any::<bool>(),
+        rarely,
+        any::<bool>(),
+        prop_oneof![3 => Just(vec![]), 1 => prop::collection::vec(0u8..6, 1..3)],
+        rarely,
+        rarely,
+    )
+        .prop_map(|(materials, square_lamp, round_lamp, smooth_mesh, hidden, lights, sky, lens)| {
+            Recipe { materials, square_lamp, round_lamp, smooth_mesh, hidden, lights, sky, lens }
+        })
+}
+
+fn material(number: u8) -> MaterialKind {
+    match number {
+        0 => diffuse(0.6),
+        1 => principled(|p| p.specular = 0.0),
+        2 => principled(|p| {
+            p.ior = 1.0;
+            p.emission = Rgb::new(0.1, 0.2, 0.3);
+        }),
+        3 => mirror(0.8),
+        4 => glass(1.5),
+        5 => principled(|p| {
+            p.transmission = 1.0;
+            p.roughness = 0.0;
+        }),
+        6 => principled(|p| {
+            p.transmission = 1.0;
+            p.ior = 1.0;
+        }),
+        7 => principled(|p| p.metallic = 1.0),
+        8 => principled(|p| p.roughness = 0.0),
+        9 => principled(|p| {
+            p.transmission = 0.7;
+            p.thin = true;
+        }),
+        _ => principled(|p| {
+            p.transmission = 1.0;
+            p.absorption = Some(Absorption { color: Rgb::new(0.9, 0.5, 0.7), distance: 0.5 });
+        }),
+    }
+}
+
+fn cook(recipe: &Recipe) -> Scene {
+    let mut scene = dark_stage();
+    scene.cameras = vec![camera(DVec3::new(0.0, 2.2, 6.0), DVec3::new(0.0, 0.8, 0.0), 40.0)];
+    for (i, number) in recipe.materials.iter().enumerate() {
+        let center = DVec3::new(i as f64 - 1.5, 0.5, 0.3 * i as f64);
+        if recipe.smooth_mesh {
+            scene.meshes.push(round_mesh(1, true));
+            let id = epsilux::scene::MeshId(scene.meshes.len() as u32 - 1);
+            let place = DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(-0.5));
+            scene.object(epsilux::scene::Shape::Mesh(id), place, material(*number));
+        } else {
+            scene.sphere(center, 0.5, material(*number));
+        }
+    }
+    if recipe.hidden
+        && let Some(last) = scene.objects.last_mut()
+    {
+        last.visible_to_camera = false;
+    }
+    if recipe.square_lamp {
+        scene.quad(DVec3::new(0.0, 4.0, 1.0), DVec3::X, DVec3::Z, emitter(9.0));
+    }
+    if recipe.round_lamp {
+        scene.sphere(DVec3::new(2.0, 3.0, 2.0), 0.4, emitter(9.0));
+    }
+    let color = Rgb::new(5.0, 4.0, 3.0);
+    let above = DVec3::new(-2.0, 4.0, 1.0);
+    for number in &recipe.lights {
+        let spot = |radius| LightKind::Spot {
+            intensity: color,
+            inner: 0.1,
+            outer: 0.8,
+            falloff: SpotFalloff::Gltf,
+            radius,
+        };
+        let kind = match number {
+            0 => LightKind::Point { intensity: color, radius: 0.0 },
+            1 => LightKind::Point { intensity: color, radius: 0.2 },
+            2 => spot(0.0),
+            3 => LightKind::Sun { irradiance: color, angle: 0.0 },
+            4 => LightKind::Sun { irradiance: color, angle: 0.2 },
+            _ => LightKind::Area { shape: AreaShape::Ellipse, size: [1.0, 0.5], radiance: color },
+        };
+        scene.light(kind, facing(above, above.normalize()));
+    }
+    if recipe.sky {
+        scene.environment = crate::support::scenes::sky(0.4);
+    }
+    if recipe.lens {
+        scene.cameras[0].lens = Some(Lens { radius: 0.1, focus_distance: 5.0 });
+    }
+    valid(&scene)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 48,
+        failure_persistence: None,
+        rng_seed: proptest::test_runner::RngSeed::Fixed(0x6570_7369_6c75_7821),
+        ..ProptestConfig::default()
+    })]
+
+    /// Guards pruning on scenes that nobody thought of: which effects there are decides the kernel, and
+    /// never the picture.
+    #[test]
+    fn the_planned_kernel_and_everything_agree_on_any_scene(recipe in recipe()) {
+        check_kernels(&format!("{recipe:?}"), &cook(&recipe));
+    }
+}
+
+/// Guards the instruction sets: the portable walk of the trees gives the same file as the one for this CPU.
+#[test]
+fn the_portable_kernel_agrees() {
+    let scenes = files().chain([("everything".to_owned(), valid(&features::everything()))]);
+    for (name, scene) in scenes {
+        let scene = prepared(&scene, EffectsMode::Auto);
+        let mut portable = scene.clone();
+        portable.accel = portable.accel.portable();
+        check_equal(&picture(&scene, &passes()), &picture(&portable, &passes()), &name);
+    }
+}
+
+/// Guards repeatability: another seed makes another picture, the same one the same.
+#[test]
+fn the_seed_decides() {
+    let scene = file("hexroom");
+    let with = |seed| {
+        let options = Options { seed, ..options(SIZE, 0, None) };
+        picture(&prepare(&scene, &options).expect("a camera"), &passes())
+    };
+    check_equal(&with(1), &with(1), "the same seed");
+    assert_ne!(with(1).rgb, with(2).rgb);
+}
