@@ -1,5 +1,7 @@
 //! Eight numbers at a time, as plain arrays that the compiler keeps in wide registers.
 
+#![expect(clippy::needless_range_loop, reason = "one index walks two arrays, and this shape vectorises")]
+
 use std::ops::{Add, Mul, Sub};
 
 /// Eight `f32`.

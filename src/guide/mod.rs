@@ -21,11 +21,12 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 4] = [
+    const PAGES: [(&str, &str); 5] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
         ("numbers.md", include_str!("numbers.md")),
+        ("README.md", include_str!("../../README.md")),
     ];
 
     /// The blocks of a page in one language, each with its line.
@@ -63,7 +64,7 @@ mod tests {
                 count += 1;
             }
         }
-        assert!(count >= 10, "{count} examples were found");
+        assert!(count >= 12, "{count} examples were found");
     }
 
     /// The page about the scene form leaves no key and no word out.

@@ -281,8 +281,8 @@ fn words(files: &[File], findings: &mut Findings) {
 fn headers(files: &[File], findings: &mut Findings) {
     let scenes = files.iter().filter(|f| f.path.starts_with("scenes/") && !f.path.ends_with(".schema.json"));
     for file in scenes {
-        let comment = file.text.lines().take_while(|l| l.starts_with('#'));
-        if comment.filter(|l| !l.starts_with("#:") && l.trim_matches(['#', ' ']) != "").count() == 0 {
+        let mut comment = file.text.lines().take_while(|l| l.starts_with('#'));
+        if comment.all(|l| l.starts_with("#:") || l.trim_matches(['#', ' ']).is_empty()) {
             findings.add(&file.path, 1, "no comment, expected one that says what the scene shows");
         }
     }

@@ -170,11 +170,7 @@ impl<'a> Reader<'a> {
                     continue;
                 }
                 "{" => braces.push((false, std::mem::take(&mut test_next))),
-                "}" => {
-                    if braces.pop().is_some_and(|b| b.0) {
-                        self.module.pop();
-                    }
-                }
+                "}" if braces.pop().is_some_and(|b| b.0) => _ = self.module.pop(),
                 ";" => test_next = false,
                 _ => {}
             }
