@@ -191,12 +191,24 @@ pub(super) fn area_pdf(p: Vec3, q: Vec3, n: Vec3, area: f64) -> f32 {
 }
 
 impl LightSet {
-    /// The set over `emitters`, chosen in proportion to their power; `primitives` is the number of
-    /// primitives of the world and `scene_radius` the radius of a sphere around everything, which
-    /// distant lights shine on.
+    /// The set over `emitters`; `primitives` is the number of primitives of the world.
+    ///
+    /// Lights are chosen in proportion to their power. The power of distant ones depends on how large the
+    /// scene is said to be, and a wide floor would leave next to nothing for the lamps on it; so where
+    /// there are both, either kind gets half.
     #[must_use]
-    pub fn new(emitters: Vec<Emitter>, primitives: usize, scene_radius: f64) -> Self {
-        let powers: Vec<f64> = emitters.iter().map(|e| e.power(scene_radius)).collect();
+    pub fn new(emitters: Vec<Emitter>, primitives: usize) -> Self {
+        let mut powers: Vec<f64> = emitters.iter().map(Emitter::power).collect();
+        let of_kind = |distant: bool| {
+            let kind = emitters.iter().zip(&powers).filter(|(e, _)| e.is_distant() == distant);
+            kind.map(|(_, power)| power).sum::<f64>()
+        };
+        let (near, far) = (of_kind(false), of_kind(true));
+        if near > 0.0 && far > 0.0 {
+            for (power, emitter) in powers.iter_mut().zip(&emitters) {
+                *power /= if emitter.is_distant() { far } else { near };
+            }
+        }
         let mut set = Self { pick: Discrete::new(&powers), ..Self::default() };
         for (i, emitter) in emitters.iter().enumerate() {
             let i = i as u32;
@@ -400,11 +412,16 @@ impl LightSet {
 }
 
 impl Emitter {
-    /// Radiant power, W, averaged over colour; for distant lights what falls on a sphere of `scene_radius`.
+    /// Whether it shines from infinitely far away.
     #[must_use]
-    pub fn power(&self, scene_radius: f64) -> f64 {
+    pub fn is_distant(&self) -> bool {
+        matches!(self, Self::Sun { .. } | Self::Environment { .. })
+    }
+
+    /// Radiant power, W, as luminance; for distant lights what falls on a sphere of radius one.
+    #[must_use]
+    pub fn power(&self) -> f64 {
         use std::f64::consts::PI;
-        let disk = PI * scene_radius * scene_radius;
         let flat = |radiance: Rgb, area: f64, sides: f64| f64::from(radiance.luminance()) * area * PI * sides;
         let sides = |both: bool| if both { 2.0 } else { 1.0 };
         let cone = |spot: &Option<Spot>| match spot {
@@ -424,8 +441,8 @@ impl Emitter {
                 flat(*radiance, shape.area(), sides(*both_sides)) * cone(spot)
             }
             Self::Point { intensity, spot, .. } => f64::from(intensity.luminance()) * 4.0 * PI * cone(spot),
-            Self::Sun { irradiance, .. } => f64::from(irradiance.luminance()) * disk,
-            Self::Environment { radiance, .. } => f64::from(radiance.luminance()) * PI * 4.0 * disk,
+            Self::Sun { irradiance, .. } => f64::from(irradiance.luminance()) * PI,
+            Self::Environment { radiance, .. } => f64::from(radiance.luminance()) * PI * 4.0 * PI,
         }
     }
 }

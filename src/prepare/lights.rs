@@ -112,7 +112,7 @@ fn free(light: &Light) -> Option<Emitter> {
             area(shape, m.translation, x, y, forward, radiance, visible_to_camera)?
         }
     };
-    (emitter.power(1.0) > 0.0).then_some(emitter)
+    (emitter.power() > 0.0).then_some(emitter)
 }
 
 fn spot(axis: DVec3, inner: f64, outer: f64, falloff: SpotFalloff) -> Spot {

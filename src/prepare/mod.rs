@@ -141,7 +141,7 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
     Ok(Prepared {
         plan,
         accel,
-        lights: LightSet::new(lights, flat.primitives, flat.radius),
+        lights: LightSet::new(lights, flat.primitives),
         materials,
         camera: CameraRays::new(camera, options.size),
         size: options.size,
