@@ -198,6 +198,11 @@ impl Principled {
             let up = Vec3::new(wo.x, wo.y, wo.z * sign);
             let m = ggx::sample_visible_normal(up, self.alpha, u);
             let wi = crate::math::reflect(up, m);
+            if wi.z <= 0.0 {
+                // Lost between microfacets. Below the surface it would pass for a transmitted direction,
+                // whose density does not count this way to get there.
+                return None;
+            }
             (Vec3::new(wi.x, wi.y, wi.z * sign), 1.0)
         } else {
             let within =

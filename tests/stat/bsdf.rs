@@ -1,6 +1,6 @@
 //! Materials as densities and as energy: what `sample` does must be what `f_and_pdf` says.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use epsilux::bsdf::{Bsdf, Transport};
 use epsilux::color::Rgb;
@@ -85,7 +85,8 @@ fn weights_are_value_over_density() {
 const RINGS: usize = 40;
 const SECTORS: usize = 40;
 
-/// The cell of a direction, in a grid of equal solid angles about `axis`.
+/// The cell of a direction, in a grid of equal steps in both angles about `axis`, at whose poles lobes are
+/// narrowest.
 struct Grid {
     axis: Vec3,
     x: Vec3,
@@ -99,25 +100,25 @@ impl Grid {
     }
 
     fn cell(&self, w: Vec3) -> usize {
-        let h = 0.5 * (w - self.axis).as_dvec3().length_squared();
+        let (axis, w64) = (self.axis.as_dvec3(), w.as_dvec3());
+        let theta = libm::atan2(axis.cross(w64).length(), axis.dot(w64));
         let angle = libm::atan2(f64::from(w.dot(self.y)), f64::from(w.dot(self.x)));
         let sector = (angle / TAU + 0.5) * SECTORS as f64;
-        ((0.5 * h * RINGS as f64) as usize).min(RINGS - 1) * SECTORS + (sector as usize).min(SECTORS - 1)
+        ((theta / PI * RINGS as f64) as usize).min(RINGS - 1) * SECTORS + (sector as usize).min(SECTORS - 1)
     }
 
     /// Integral of `density` over each cell, by the midpoint rule with `n` x `n` points.
     fn integrate(&self, n: usize, density: impl Fn(Vec3) -> f64) -> Vec<f64> {
         let mut cells = vec![0.0; RINGS * SECTORS];
         let (rings, sectors) = (RINGS * n, SECTORS * n);
-        let solid_angle = 2.0 * TAU / (rings * sectors) as f64;
         for i in 0..rings {
-            let h = 2.0 * (i as f64 + 0.5) / rings as f64;
-            let r = (h * (2.0 - h)).sqrt();
+            let theta = PI * (i as f64 + 0.5) / rings as f64;
+            let (r, z) = (libm::sin(theta), libm::cos(theta));
+            let solid_angle = r * 2.0 * libm::sin(0.5 * PI / rings as f64) * TAU / sectors as f64;
             for k in 0..sectors {
                 let phi = ((k as f64 + 0.5) / sectors as f64 - 0.5) * TAU;
                 let (s, c) = (libm::sin(phi), libm::cos(phi));
-                let w =
-                    self.axis.as_dvec3() * (1.0 - h) + (self.x.as_dvec3() * c + self.y.as_dvec3() * s) * r;
+                let w = self.axis.as_dvec3() * z + (self.x.as_dvec3() * c + self.y.as_dvec3() * s) * r;
                 cells[i / n * SECTORS + k / n] += density(w.as_vec3()) * solid_angle;
             }
         }

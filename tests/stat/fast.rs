@@ -28,8 +28,9 @@ const ROUNDING: f64 = 4e-6;
 /// Cases in which few paths carry much of the light, and by how much more samples they need.
 fn effort(id: &str) -> u32 {
     match id {
+        _ if id == "O10 at 85 degrees" || id == "O13 impact 0.99" => 64,
         _ if ["O02", "O03", "O10", "O14", "O16"].iter().any(|p| id.starts_with(p)) => 16,
-        _ if ["O12", "O13"].iter().any(|p| id.starts_with(p)) => 8,
+        _ if ["O09", "O12", "O13"].iter().any(|p| id.starts_with(p)) => 8,
         _ if id.starts_with("furnace") && id.ends_with("roughness 1") => 8,
         _ => 1,
     }
