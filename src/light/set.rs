@@ -223,7 +223,7 @@ impl LightSet {
                 Emitter::Rectangle { primitives: Some(ids), .. } => own(ids),
                 Emitter::Sphere { primitive: Some(id), .. } => own(&[*id]),
                 Emitter::Rectangle { .. } | Emitter::Sphere { .. } | Emitter::Ellipse { .. } => {
-                    set.free.push(i)
+                    set.free.push(i);
                 }
                 Emitter::Sun { .. } | Emitter::Environment { .. } => set.distant.push(i),
                 Emitter::Point { .. } => {}
@@ -398,12 +398,12 @@ impl LightSet {
                 Emitter::Environment { radiance, visible_to_camera } => {
                     found(radiance, visible_to_camera, ctx.map_or(0.0, |c| environment_pdf(c, d)) * pmf);
                 }
-                Emitter::Sun { towards, irradiance, one_minus_cos, visible_to_camera } => {
-                    // 1 - cos of the angle between unit vectors, from their chord.
-                    if 0.5 * (d - towards).length_squared() < one_minus_cos {
-                        let radiance = sun_radiance(irradiance, one_minus_cos);
-                        found(radiance, visible_to_camera, square_to_cone_pdf(one_minus_cos) * pmf);
-                    }
+                // 1 - cos of the angle between unit vectors, from their chord.
+                Emitter::Sun { towards, irradiance, one_minus_cos, visible_to_camera }
+                    if 0.5 * (d - towards).length_squared() < one_minus_cos =>
+                {
+                    let radiance = sun_radiance(irradiance, one_minus_cos);
+                    found(radiance, visible_to_camera, square_to_cone_pdf(one_minus_cos) * pmf);
                 }
                 _ => {}
             }
