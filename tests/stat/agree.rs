@@ -91,7 +91,7 @@ fn lights_and_media() {
 /// Guards instances, mirroring transforms, shading normals, hidden objects and cameras.
 #[test]
 fn shapes_and_cameras() {
-    check_all(features::shapes_and_cameras(), [640, 1500], material_bound);
+    check_all(features::shapes_and_cameras(), [640, 3000], material_bound);
 }
 
 /// Guards what features do to each other.
