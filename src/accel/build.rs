@@ -65,7 +65,7 @@ pub(super) struct Built {
 pub(super) const LEAF: usize = 8;
 const BINS: usize = 16;
 /// Cost of visiting a node against testing a packet of primitives; measured, see ARCHITECTURE.md.
-const NODE_COST: f32 = 0.6;
+const NODE_COST: f32 = 1.0;
 
 struct Binary {
     bounds: Aabb,
@@ -75,8 +75,6 @@ struct Binary {
 
 struct Builder<'a> {
     boxes: &'a [Aabb],
-    /// Binary levels after which ranges are simply halved.
-    heuristic_depth: u32,
     order: Vec<u32>,
     nodes: Vec<Binary>,
     unit: f32,
@@ -112,7 +110,7 @@ impl Builder<'_> {
         let centroids = Aabb::of_points((start..end).map(|i| self.centroid(i)));
         let extent = centroids.hi - centroids.lo;
         // Deep chains of the heuristic are cut to halves, which bounds the recursion.
-        let best = if depth < self.heuristic_depth { self.best_plane(start, end, centroids) } else { None };
+        let best = if depth < 48 { self.best_plane(start, end, centroids) } else { None };
         if n <= LEAF {
             let whole = bounds.half_area(self.unit);
             let (_, _, cost) = best?;
@@ -175,42 +173,29 @@ impl Builder<'_> {
     }
 }
 
-/// Wide levels that the kernels' stack has room for. A tree of halves, widened level by level, needs one
-/// for each factor of eight: eleven for 2^32 primitives.
-pub(super) const MAX_DEPTH: u32 = 16;
-
-/// The eight-wide tree over `boxes`, at most [`MAX_DEPTH`] levels deep; `None` where there are none.
+/// The eight-wide tree over `boxes`; `None` where there are none.
 pub(super) fn build(boxes: &[Aabb]) -> Option<Built> {
     if boxes.is_empty() {
         return None;
     }
-    let (built, depth) = build_with(boxes, 48);
-    // A pathological heuristic tree is replaced by plain halves, whose depth is logarithmic.
-    Some(if depth <= MAX_DEPTH { built } else { build_with(boxes, 0).0 })
-}
-
-/// The tree, and its depth in wide levels.
-fn build_with(boxes: &[Aabb], heuristic_depth: u32) -> (Built, u32) {
     let whole = boxes.iter().fold(Aabb::EMPTY, |a, &b| a.union(b));
     let size = (whole.hi - whole.lo).max_element();
     let unit = if size.is_normal() { crate::math::floor_pow2(size) } else { 1.0 };
     let order = (0..boxes.len() as u32).collect();
-    let mut builder = Builder { boxes, heuristic_depth, order, nodes: Vec::new(), unit };
+    let mut builder = Builder { boxes, order, nodes: Vec::new(), unit };
     let root = builder.node(0, boxes.len(), 0);
     let Builder { nodes: binary, order, .. } = builder;
 
     let mut nodes: Vec<Vec<(Aabb, Child)>> = vec![Vec::new()];
-    let mut depth = 0;
-    let mut todo = vec![(root, 0usize, 1u32)];
-    while let Some((source, target, level)) = todo.pop() {
-        depth = depth.max(level);
+    let mut todo = vec![(root, 0usize)];
+    while let Some((source, target)) = todo.pop() {
         let mut children = Vec::with_capacity(8);
-        for b in widen(&binary, source, unit, heuristic_depth > 0) {
+        for b in widen(&binary, source, unit) {
             let child = match binary[b].content {
                 Err((start, end)) => Child::Leaf { start, end },
                 Ok(_) => {
                     nodes.push(Vec::new());
-                    todo.push((b, nodes.len() - 1, level + 1));
+                    todo.push((b, nodes.len() - 1));
                     Child::Node(nodes.len() - 1)
                 }
             };
@@ -218,27 +203,23 @@ fn build_with(boxes: &[Aabb], heuristic_depth: u32) -> (Built, u32) {
         }
         nodes[target] = children;
     }
-    (Built { nodes, order }, depth)
+    Some(Built { nodes, order })
 }
 
-/// The binary nodes that become the children of `source`, up to eight. Where `by_area`, the one with the
-/// largest surface is opened first; otherwise the one that is highest in the tree.
-fn widen(binary: &[Binary], source: usize, unit: f32, by_area: bool) -> Vec<usize> {
-    let Ok([left, right]) = binary[source].content else { return vec![source] };
-    let mut open = vec![(1u32, left), (1, right)];
+/// The binary nodes that become the children of `source`: the one with the largest surface is opened
+/// until there are eight.
+fn widen(binary: &[Binary], source: usize, unit: f32) -> Vec<usize> {
+    let Ok(pair) = binary[source].content else { return vec![source] };
+    let mut open = pair.to_vec();
     while open.len() < 8 {
-        let inner = (0..open.len()).filter(|&i| binary[open[i].1].content.is_ok());
-        let area = |i: usize| binary[open[i].1].bounds.half_area(unit);
-        let chosen = if by_area {
-            inner.max_by(|&a, &b| area(a).total_cmp(&area(b)))
-        } else {
-            inner.min_by_key(|&i| open[i].0)
-        };
-        let Some(i) = chosen else { break };
-        let (level, node) = open[i];
-        let Ok([left, right]) = binary[node].content else { break };
-        open[i] = (level + 1, left);
-        open.push((level + 1, right));
+        let area = |i: usize| binary[open[i]].bounds.half_area(unit);
+        let widest = (0..open.len())
+            .filter(|&i| binary[open[i]].content.is_ok())
+            .max_by(|&a, &b| area(a).total_cmp(&area(b)));
+        let Some(i) = widest else { break };
+        let Ok([left, right]) = binary[open[i]].content else { break };
+        open[i] = left;
+        open.push(right);
     }
-    open.into_iter().map(|(_, node)| node).collect()
+    open
 }

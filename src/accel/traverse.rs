@@ -5,16 +5,12 @@
 //! triangle test is `shape::triangle`'s, its edge functions computed for eight lanes at a time; a lane
 //! that they do not rule out is decided by the scalar code.
 
-use super::build;
 use super::lanes::{F8, ratio_within};
 use super::packet::Packet;
 use super::tree::{LEAF_BIT, Leaf, Node, Tree};
 use super::{Accel, Hit, PrimitiveId};
 use crate::shape::triangle::{Shear, TriangleHit};
 use crate::shape::{Ray, sphere};
-
-/// A node pushes at most seven entries more than it pops.
-const STACK: usize = 7 * build::MAX_DEPTH as usize + 1;
 
 /// Slack of box distances, relative: more than three roundings on either side.
 const SLACK: f32 = 4.0 * f32::EPSILON;
@@ -109,17 +105,70 @@ trait Accept {
     fn accept(&mut self, hit: Hit, t_max: &mut f32) -> bool;
 }
 
+/// Nodes still to visit, nearest on top. Clearing an array that fits the deepest tree would cost more than
+/// a typical walk, so the array is short and what does not fit spills to the heap.
+struct Stack {
+    entries: [(f32, u32); SHORT],
+    top: usize,
+    spilled: Vec<(f32, u32)>,
+}
+
+/// Entries of the short stack.
+const SHORT: usize = 32;
+
+impl Stack {
+    #[inline(always)]
+    fn new(root: u32) -> Self {
+        let mut entries = [(0.0, 0); SHORT];
+        entries[0].1 = root;
+        Self { entries, top: 1, spilled: Vec::new() }
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(f32, u32)> {
+        if self.top == 0 {
+            return None;
+        }
+        if self.top == SHORT
+            && let Some(entry) = self.spilled.pop()
+        {
+            return Some(entry);
+        }
+        self.top -= 1;
+        Some(self.entries[self.top])
+    }
+
+    /// Pushes below everything nearer that was pushed since the stack was `first` high.
+    #[inline(always)]
+    fn push(&mut self, entry: (f32, u32), first: usize) {
+        if self.top == SHORT {
+            self.spill(entry);
+            return;
+        }
+        let mut at = self.top;
+        while at > first && self.entries[at - 1].0 < entry.0 {
+            self.entries[at] = self.entries[at - 1];
+            at -= 1;
+        }
+        self.entries[at] = entry;
+        self.top += 1;
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn spill(&mut self, entry: (f32, u32)) {
+        self.spilled.push(entry);
+    }
+}
+
 /// Visits the leaves of `tree` that `boxes` enters, nearest first.
 #[inline(always)]
 fn walk(tree: &Tree, boxes: &Boxes, t_max: &mut f32, visit: &mut impl Visit) -> bool {
     if tree.nodes.is_empty() {
         return false;
     }
-    let mut stack = [(0.0f32, 0u32); STACK];
-    let mut top = 1;
-    while top > 0 {
-        top -= 1;
-        let (near, child) = stack[top];
+    let mut stack = Stack::new(0);
+    while let Some((near, child)) = stack.pop() {
         if near > *t_max {
             continue;
         }
@@ -131,19 +180,11 @@ fn walk(tree: &Tree, boxes: &Boxes, t_max: &mut f32, visit: &mut impl Visit) -> 
         }
         let node = &tree.nodes[child as usize];
         let (near, mut mask) = boxes.enter(node, *t_max);
-        let first = top;
+        let first = stack.top;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize & 7;
             mask &= mask - 1;
-            let entry = (near.0[lane], node.child[lane]);
-            // Insertion keeps the nearest on top.
-            let mut at = top;
-            while at > first && stack[at - 1].0 < entry.0 {
-                stack[at] = stack[at - 1];
-                at -= 1;
-            }
-            stack[at] = entry;
-            top += 1;
+            stack.push((near.0[lane], node.child[lane]), first);
         }
     }
     false

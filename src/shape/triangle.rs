@@ -113,13 +113,16 @@ fn exact_edges(a: (f32, f32, f32), b: (f32, f32, f32), c: (f32, f32, f32)) -> [f
 
 /// The point with barycentric coordinates (1 - b1 - b2, b1, b2), and a bound on the error of each of
 /// its coordinates: gamma(7) times the sum of the absolute products (Pharr et al., section 6.8.5), and
-/// two roundings more for moving it (see `offset_origin`).
+/// two roundings more for moving it (see `offset_origin`). No bound is less than gamma(3) of the largest
+/// coordinate: in a plane with a coordinate of exactly zero the point is exact in it, but a ray that
+/// starts in that plane could still meet a coplanar neighbour by the rounding of the shear.
 #[inline]
 #[must_use]
 pub fn point(v: [Vec3; 3], b1: f32, b2: f32) -> (Vec3, Vec3) {
     let b0 = 1.0 - b1 - b2;
     let (a, b, c) = (v[0] * b0, v[1] * b1, v[2] * b2);
-    (a + b + c, (a.abs() + b.abs() + c.abs()) * gamma(9))
+    let magnitude = a.abs() + b.abs() + c.abs();
+    (a + b + c, (magnitude * gamma(9)).max(Vec3::splat(magnitude.max_element() * gamma(3))))
 }
 
 /// Unit normal of the counter-clockwise triangle, computed in `f64` (thin triangles keep their
