@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::scene::text::TextError;
+
 /// Why a file could not be read. Each variant is somebody else's turn: the caller's (`File`), the
-/// author's of the file (`Invalid`), or ours (`Unsupported`).
+/// author's of the file (`Invalid`, `Text`), or ours (`Unsupported`).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ImportError {
     /// The file system has no such file, or does not let us read it.
@@ -26,6 +28,16 @@ pub enum ImportError {
         /// What the format asks for.
         expected: String,
     },
+    /// The text form of a scene has a mistake.
+    #[error("{}: {error}", path.display())]
+    Text {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and which part of `text` it is about.
+        error: Box<TextError>,
+        /// The content of the file, to show that part of.
+        text: String,
+    },
     /// The file is well formed and needs something that is not implemented, or allowed by the limits.
     #[error("{}: {place}: {feature} is not supported; {help}", path.display())]
     Unsupported {
@@ -47,6 +59,8 @@ pub(crate) enum Fault {
     File { path: PathBuf, reason: String },
     /// Becomes [`ImportError::Invalid`].
     Invalid { place: String, found: String, expected: String },
+    /// Becomes [`ImportError::Text`].
+    Text { error: Box<TextError>, text: String },
     /// Becomes [`ImportError::Unsupported`].
     Unsupported { place: String, feature: String, help: String },
 }
@@ -68,6 +82,7 @@ impl Fault {
             Self::Invalid { place, found, expected } => {
                 ImportError::Invalid { path: file.into(), place, found, expected }
             }
+            Self::Text { error, text } => ImportError::Text { path: file.into(), error, text },
             Self::Unsupported { place, feature, help } => {
                 ImportError::Unsupported { path: file.into(), place, feature, help }
             }

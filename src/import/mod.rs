@@ -14,6 +14,7 @@ mod file;
 mod gltf;
 mod names;
 mod notes;
+mod text;
 
 use std::path::Path;
 
@@ -82,14 +83,11 @@ fn read_file(path: &Path, options: &ReadOptions) -> Result<(Scene, Vec<Note>), F
             help: "readable are .gltf and .glb (glTF 2.0), and .toml and .json with the key `epsilux`".into(),
         });
     }
-    if suffix == "gltf" {
-        return gltf::read_json(&bytes, folder, options, &mut budget);
+    match &*suffix {
+        "toml" => text::read_toml(bytes),
+        "json" if !text::is_gltf(&bytes) => text::read_json(bytes),
+        _ => gltf::read_json(&bytes, folder, options, &mut budget),
     }
-    Err(Fault::Unsupported {
-        place: "suffix".into(),
-        feature: format!("the text form in .{suffix}"),
-        help: "convert it to glTF".into(),
-    })
 }
 
 #[cfg(test)]
@@ -103,7 +101,7 @@ mod tests {
     fn files_are_told_apart_and_refused_by_name() {
         let dir = tempfile::tempdir().unwrap();
         let glb = include_bytes!("../../fixtures/blender/still-life.glb");
-        let files: [(&str, &[u8]); 8] = [
+        let files: [(&str, &[u8]); 12] = [
             ("misnamed.blend", glb),
             ("misnamed.gltf", glb),
             ("cut.glb", &glb[..1000]),
@@ -112,6 +110,10 @@ mod tests {
             ("scene.blend", b"BLENDER"),
             ("scene", b"?"),
             ("empty.gltf", b""),
+            ("gltf.json", b"{\"asset\": {\"version\": \"2.0\"}}"),
+            ("scene.json", b"{\"epsilux\": 1, \"asset\": 2}"),
+            ("scene.toml", b"epsilux = 1\nobjct = 2"),
+            ("latin1.toml", b"epsilux = 1 # \xe9"),
         ];
         let mut said = String::new();
         for (name, content) in files {
@@ -137,6 +139,10 @@ mod tests {
         DIR/scene.blend: suffix: .blend is not supported; readable are .gltf and .glb (glTF 2.0), and .toml and .json with the key `epsilux`
         DIR/scene: suffix: a file without a suffix is not supported; readable are .gltf and .glb (glTF 2.0), and .toml and .json with the key `epsilux`
         DIR/empty.gltf: line 1 column 0 of the JSON text: found a fault (EOF while parsing a value), expected JSON
+        gltf.json: 0 objects
+        DIR/scene.json: line 1, column 16: unknown key `asset`; expected one of `$schema`, `epsilux`, `title`, `up`, `render`, `camera`, `material`, `mesh`, `object`, `light`, `environment`
+        DIR/scene.toml: line 2, column 1: unknown key `objct`; did you mean `object`?
+        DIR/latin1.toml: byte 14: found an invalid sequence, expected UTF-8
         DIR/missing.glb: no such file
         DIR/folder.glb: found a folder, expected a file
         "#);
