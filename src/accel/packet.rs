@@ -17,7 +17,7 @@ pub(super) struct Packet {
 impl Packet {
     pub(super) fn new(geometry: &Geometry, triangles: &[u32]) -> Self {
         let mut packet =
-            Self { v: [[F8::splat(0.0); 3]; 3], id: [u32::MAX; 8], used: (1 << triangles.len()) - 1 };
+            Self { v: [[F8::all(0.0); 3]; 3], id: [u32::MAX; 8], used: (1 << triangles.len()) - 1 };
         for (lane, &triangle) in triangles.iter().enumerate() {
             for (k, vertex) in geometry.vertices(triangle).iter().enumerate() {
                 for axis in 0..3 {

@@ -1,8 +1,9 @@
-//! The one module with `unsafe`: calls into kernels compiled for instructions that were detected.
+//! The one module with `unsafe`: kernels for instructions that were detected.
 //!
-//! Both instances are the same source (`traverse`), without fused multiply-add, so they give the same
-//! bits; the compiler merely uses wider registers in the second. Tests compare the two.
+//! Both instances are the same source (`traverse`) over other [`Lanes`], without fused multiply-add, so
+//! they give the same bits. The portable one is the twin that tests compare with.
 
+use super::lanes::F8;
 use super::{Accel, Hit, PrimitiveId, traverse};
 use crate::shape::Ray;
 
@@ -39,23 +40,23 @@ impl Features {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn closest_avx2(accel: &Accel, ray: &Ray, from: PrimitiveId, camera: bool) -> Option<Hit> {
-    traverse::closest(accel, ray, from, camera)
+    traverse::closest::<wide::Wide>(accel, ray, from, camera)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn occluded_avx2(accel: &Accel, ray: &Ray, between: [PrimitiveId; 2]) -> bool {
-    traverse::occluded(accel, ray, between)
+    traverse::occluded::<wide::Wide>(accel, ray, between)
 }
 
 #[inline(never)]
 fn closest_portable(accel: &Accel, ray: &Ray, from: PrimitiveId, camera: bool) -> Option<Hit> {
-    traverse::closest(accel, ray, from, camera)
+    traverse::closest::<F8>(accel, ray, from, camera)
 }
 
 #[inline(never)]
 fn occluded_portable(accel: &Accel, ray: &Ray, between: [PrimitiveId; 2]) -> bool {
-    traverse::occluded(accel, ray, between)
+    traverse::occluded::<F8>(accel, ray, between)
 }
 
 #[inline]
@@ -79,4 +80,125 @@ pub(super) fn occluded(accel: &Accel, ray: &Ray, between: [PrimitiveId; 2]) -> b
         return unsafe { occluded_avx2(accel, ray, between) };
     }
     occluded_portable(accel, ray, between)
+}
+
+/// Eight `f32` in one AVX register.
+#[cfg(target_arch = "x86_64")]
+#[expect(unsafe_code, reason = "intrinsics of detected instructions")]
+mod wide {
+    use std::arch::x86_64::{
+        __m256, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps,
+        _mm256_andnot_ps, _mm256_cmp_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
+        _mm256_mul_ps, _mm256_or_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
+    };
+
+    use crate::accel::lanes::{F8, Lanes};
+
+    // SAFETY of every block below: the only requirement of these intrinsics is a CPU with AVX. The type is
+    // private to this file, and only `closest_avx2` and `occluded_avx2` name it, which run where AVX2 was
+    // detected. Loads and stores go through references to `F8`, which is 32 bytes long and 32-byte aligned.
+
+    /// See the module.
+    #[derive(Clone, Copy)]
+    pub(super) struct Wide(__m256);
+
+    #[inline(always)]
+    fn bits(m: __m256) -> u32 {
+        // SAFETY: see above.
+        unsafe { _mm256_movemask_ps(m) as u32 }
+    }
+
+    impl Lanes for Wide {
+        #[inline(always)]
+        fn load(v: &F8) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_load_ps(v.0.as_ptr()) })
+        }
+
+        #[inline(always)]
+        fn store(self) -> F8 {
+            let mut v = F8([0.0; 8]);
+            // SAFETY: see above.
+            unsafe { _mm256_store_ps(v.0.as_mut_ptr(), self.0) };
+            v
+        }
+
+        #[inline(always)]
+        fn splat(v: f32) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_set1_ps(v) })
+        }
+
+        #[inline(always)]
+        fn add(self, o: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_add_ps(self.0, o.0) })
+        }
+
+        #[inline(always)]
+        fn sub(self, o: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_sub_ps(self.0, o.0) })
+        }
+
+        #[inline(always)]
+        fn mul(self, o: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_mul_ps(self.0, o.0) })
+        }
+
+        #[inline(always)]
+        fn max(self, o: Self) -> Self {
+            // SAFETY: see above. The instruction returns the second operand where one is NaN.
+            Self(unsafe { _mm256_max_ps(self.0, o.0) })
+        }
+
+        #[inline(always)]
+        fn min(self, o: Self) -> Self {
+            // SAFETY: see above. The instruction returns the second operand where one is NaN.
+            Self(unsafe { _mm256_min_ps(self.0, o.0) })
+        }
+
+        #[inline(always)]
+        fn le(self, o: Self) -> u32 {
+            // SAFETY: see above.
+            bits(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, o.0) })
+        }
+
+        #[inline(always)]
+        fn signs_agree(u: Self, v: Self, w: Self) -> u32 {
+            // SAFETY: see above.
+            bits(unsafe {
+                let zero = _mm256_setzero_ps();
+                let up = _mm256_and_ps(
+                    _mm256_cmp_ps::<_CMP_GE_OQ>(u.0, zero),
+                    _mm256_and_ps(
+                        _mm256_cmp_ps::<_CMP_GE_OQ>(v.0, zero),
+                        _mm256_cmp_ps::<_CMP_GE_OQ>(w.0, zero),
+                    ),
+                );
+                let down = _mm256_and_ps(
+                    _mm256_cmp_ps::<_CMP_LE_OQ>(u.0, zero),
+                    _mm256_and_ps(
+                        _mm256_cmp_ps::<_CMP_LE_OQ>(v.0, zero),
+                        _mm256_cmp_ps::<_CMP_LE_OQ>(w.0, zero),
+                    ),
+                );
+                _mm256_or_ps(up, down)
+            })
+        }
+
+        #[inline(always)]
+        fn ratio_within(a: Self, b: Self, limit: f32) -> u32 {
+            // SAFETY: see above.
+            let out = bits(unsafe {
+                let sign = _mm256_set1_ps(-0.0);
+                let (size_a, size_b) = (_mm256_andnot_ps(sign, a.0), _mm256_andnot_ps(sign, b.0));
+                let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(_mm256_mul_ps(a.0, b.0), _mm256_setzero_ps());
+                let end = _mm256_mul_ps(size_b, _mm256_set1_ps(limit));
+                _mm256_or_ps(behind, _mm256_cmp_ps::<_CMP_GT_OQ>(size_a, end))
+            });
+            !out & 0xff
+        }
+    }
 }

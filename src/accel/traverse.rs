@@ -5,7 +5,9 @@
 //! triangle test is `shape::triangle`'s, its edge functions computed for eight lanes at a time; a lane
 //! that they do not rule out is decided by the scalar code.
 
-use super::lanes::{F8, ratio_within};
+use std::marker::PhantomData;
+
+use super::lanes::{F8, Lanes};
 use super::packet::Packet;
 use super::tree::{LEAF_BIT, Leaf, Node, Tree};
 use super::{Accel, Hit, PrimitiveId};
@@ -36,60 +38,74 @@ impl Boxes {
 
     /// Distances at which the eight boxes are entered, and a mask of those entered before `t_max`.
     #[inline(always)]
-    fn enter(&self, node: &Node, t_max: f32) -> (F8, u32) {
-        let (mut near, mut far) = (F8::splat(0.0), F8::splat(t_max));
+    fn enter<L: Lanes>(&self, node: &Node, t_max: f32) -> (F8, u32) {
+        let (mut near, mut far) = (L::splat(0.0), L::splat(t_max));
         for axis in 0..3 {
-            let (o, inv) = (F8::splat(self.o[axis]), self.inv[axis]);
-            let (lo, hi) = (node.planes[self.near[axis]], node.planes[self.far[axis]]);
-            near = ((lo - o) * F8::splat(inv * (1.0 - SLACK))).max(near);
-            far = ((hi - o) * F8::splat(inv * (1.0 + SLACK))).min(far);
+            let (o, inv) = (L::splat(self.o[axis]), self.inv[axis]);
+            let (lo, hi) = (L::load(&node.planes[self.near[axis]]), L::load(&node.planes[self.far[axis]]));
+            near = lo.sub(o).mul(L::splat(inv * (1.0 - SLACK))).max(near);
+            far = hi.sub(o).mul(L::splat(inv * (1.0 + SLACK))).min(far);
         }
-        (near, near.le(far))
+        (near.store(), near.le(far))
     }
 }
 
 /// The packet's triangles as the sheared ray sees them.
-struct Seen {
+struct Seen<L> {
     /// x, y and z of each vertex, by lane.
-    p: [[F8; 3]; 3],
+    p: [[L; 3]; 3],
     /// Edge functions opposite to each vertex.
-    e: [F8; 3],
+    e: [L; 3],
     /// Lanes that the ray may meet.
     mask: u32,
 }
 
 #[inline(always)]
-fn see(shear: &Shear, packet: &Packet, t_max: f32) -> Seen {
-    let [x, y, z] = shear.axes;
-    let s = [F8::splat(shear.s[0]), F8::splat(shear.s[1])];
-    let o = [F8::splat(shear.o[x]), F8::splat(shear.o[y]), F8::splat(shear.o[z])];
-    let a = project(&packet.v[0], [x, y, z], o, s);
-    let b = project(&packet.v[1], [x, y, z], o, s);
-    let c = project(&packet.v[2], [x, y, z], o, s);
-    let u = c[0] * b[1] - c[1] * b[0];
-    let v = a[0] * c[1] - a[1] * c[0];
-    let w = b[0] * a[1] - b[1] * a[0];
+fn see<L: Lanes>(shear: &Shear, packet: &Packet, t_max: f32) -> Seen<L> {
+    let axes = shear.axes;
+    let s = [L::splat(shear.s[0]), L::splat(shear.s[1])];
+    let o = [L::splat(shear.o[axes[0]]), L::splat(shear.o[axes[1]]), L::splat(shear.o[axes[2]])];
+    let a = project(&packet.v[0], axes, o, s);
+    let b = project(&packet.v[1], axes, o, s);
+    let c = project(&packet.v[2], axes, o, s);
+    let u = c[0].mul(b[1]).sub(c[1].mul(b[0]));
+    let v = a[0].mul(c[1]).sub(a[1].mul(c[0]));
+    let w = b[0].mul(a[1]).sub(b[1].mul(a[0]));
     // What is clearly behind the ray or beyond its end needs no closer look; the slack covers the
-    // rounding of the two sums and of the division that the scalar code does instead.
-    let det = u + v + w;
-    let t = (u * a[2] + v * b[2] + w * c[2]) * F8::splat(shear.s[2]);
-    let mask = F8::signs_agree(u, v, w) & ratio_within(t, det, t_max * (1.0 + SLACK)) & packet.used;
+    // rounding of the division that the scalar code does instead.
+    let det = u.add(v).add(w);
+    let t = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2])).mul(L::splat(shear.s[2]));
+    let mask = L::signs_agree(u, v, w) & L::ratio_within(t, det, t_max * (1.0 + SLACK)) & packet.used;
     Seen { p: [a, b, c], e: [u, v, w], mask }
 }
 
 /// Vertices relative to the origin, permuted and sheared, as `Shear` does it with one.
 #[inline(always)]
-fn project(v: &[F8; 3], [x, y, z]: [usize; 3], o: [F8; 3], s: [F8; 2]) -> [F8; 3] {
-    let az = v[z] - o[2];
-    [v[x] - o[0] - s[0] * az, v[y] - o[1] - s[1] * az, az]
+fn project<L: Lanes>(v: &[F8; 3], [x, y, z]: [usize; 3], o: [L; 3], s: [L; 2]) -> [L; 3] {
+    let az = L::load(&v[z]).sub(o[2]);
+    [L::load(&v[x]).sub(o[0]).sub(s[0].mul(az)), L::load(&v[y]).sub(o[1]).sub(s[1].mul(az)), az]
 }
 
-impl Seen {
+impl<L: Lanes> Seen<L> {
+    /// The same in memory, for a look at single lanes.
+    #[inline(always)]
+    fn store(&self) -> Seen<F8> {
+        let p = [0, 1, 2].map(|k: usize| [self.p[k][0].store(), self.p[k][1].store(), self.p[k][2].store()]);
+        Seen { p, e: [self.e[0].store(), self.e[1].store(), self.e[2].store()], mask: self.mask }
+    }
+}
+
+impl Seen<F8> {
     /// Decides one lane.
     #[inline(always)]
     fn hit(&self, shear: &Shear, lane: usize) -> Option<TriangleHit> {
         let vertex = |k: usize| (self.p[k][0].0[lane], self.p[k][1].0[lane], self.p[k][2].0[lane]);
-        shear.decide(vertex(0), vertex(1), vertex(2), self.e.map(|e| e.0[lane]))
+        shear.decide(
+            vertex(0),
+            vertex(1),
+            vertex(2),
+            [self.e[0].0[lane], self.e[1].0[lane], self.e[2].0[lane]],
+        )
     }
 }
 
@@ -163,7 +179,7 @@ impl Stack {
 
 /// Visits the leaves of `tree` that `boxes` enters, nearest first.
 #[inline(always)]
-fn walk(tree: &Tree, boxes: &Boxes, t_max: &mut f32, visit: &mut impl Visit) -> bool {
+fn walk<L: Lanes>(tree: &Tree, boxes: &Boxes, t_max: &mut f32, visit: &mut impl Visit) -> bool {
     if tree.nodes.is_empty() {
         return false;
     }
@@ -179,7 +195,7 @@ fn walk(tree: &Tree, boxes: &Boxes, t_max: &mut f32, visit: &mut impl Visit) -> 
             continue;
         }
         let node = &tree.nodes[child as usize];
-        let (near, mut mask) = boxes.enter(node, *t_max);
+        let (near, mut mask) = boxes.enter::<L>(node, *t_max);
         let first = stack.top;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize & 7;
@@ -199,7 +215,7 @@ struct Query<'a> {
 }
 
 /// Offers the primitives of one space to `accept`.
-struct Primitives<'a, A> {
+struct Primitives<'a, L, A> {
     tree: &'a Tree,
     instance: u32,
     ray: &'a Ray,
@@ -207,9 +223,10 @@ struct Primitives<'a, A> {
     skip: [u32; 2],
     camera: bool,
     accept: &'a mut A,
+    lanes: PhantomData<L>,
 }
 
-impl<A: Accept> Primitives<'_, A> {
+impl<L: Lanes, A: Accept> Primitives<'_, L, A> {
     #[inline(always)]
     fn hidden(&self, primitive: u32) -> bool {
         self.camera && self.tree.geometry.hidden.get(primitive as usize).copied().unwrap_or(false)
@@ -223,13 +240,17 @@ impl<A: Accept> Primitives<'_, A> {
     }
 }
 
-impl<A: Accept> Visit for Primitives<'_, A> {
+impl<L: Lanes, A: Accept> Visit for Primitives<'_, L, A> {
     #[inline(always)]
     fn leaf(&mut self, leaf: Leaf, t_max: &mut f32) -> bool {
         let tree = self.tree;
         for packet in &tree.packets[leaf.packets[0] as usize..leaf.packets[1] as usize] {
-            let seen = see(&self.shear, packet, *t_max);
+            let seen = see::<L>(&self.shear, packet, *t_max);
             let mut mask = seen.mask;
+            if mask == 0 {
+                continue;
+            }
+            let seen = seen.store();
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize & 7;
                 mask &= mask - 1;
@@ -262,7 +283,7 @@ impl<A: Accept> Visit for Primitives<'_, A> {
 
 /// Offers every hit of one space that is nearer than `t_max`.
 #[inline(always)]
-fn in_space<A: Accept>(
+fn in_space<L: Lanes, A: Accept>(
     tree: &Tree,
     instance: u32,
     query: Query<'_>,
@@ -271,19 +292,29 @@ fn in_space<A: Accept>(
 ) -> bool {
     let skip = query.skip.map(|s| if s.instance == instance { s.primitive } else { u32::MAX });
     let Query { ray, camera, .. } = query;
-    let mut visit = Primitives { tree, instance, ray, shear: Shear::new(ray), skip, camera, accept };
-    walk(tree, &Boxes::new(ray), t_max, &mut visit)
+    let mut visit = Primitives {
+        tree,
+        instance,
+        ray,
+        shear: Shear::new(ray),
+        skip,
+        camera,
+        accept,
+        lanes: PhantomData::<L>,
+    };
+    walk::<L>(tree, &Boxes::new(ray), t_max, &mut visit)
 }
 
 /// Enters the instances of the top tree.
-struct Instances<'a, A> {
+struct Instances<'a, L, A> {
     accel: &'a Accel,
     top: &'a Tree,
     query: Query<'a>,
     accept: &'a mut A,
+    lanes: PhantomData<L>,
 }
 
-impl<A: Accept> Visit for Instances<'_, A> {
+impl<L: Lanes, A: Accept> Visit for Instances<'_, L, A> {
     #[inline(always)]
     fn leaf(&mut self, leaf: Leaf, t_max: &mut f32) -> bool {
         for &i in &self.top.others[leaf.others[0] as usize..leaf.others[1] as usize] {
@@ -298,7 +329,8 @@ impl<A: Accept> Visit for Instances<'_, A> {
                 t_max: *t_max,
             };
             let query = Query { ray: &local, skip: self.query.skip, camera: false };
-            if in_space(&self.accel.spaces[instance.mesh as usize], i + 1, query, t_max, self.accept) {
+            if in_space::<L, A>(&self.accel.spaces[instance.mesh as usize], i + 1, query, t_max, self.accept)
+            {
                 return true;
             }
         }
@@ -308,12 +340,17 @@ impl<A: Accept> Visit for Instances<'_, A> {
 
 /// All hits of the world and of every instance.
 #[inline(always)]
-fn hits<A: Accept>(accel: &Accel, query: Query<'_>, t_max: &mut f32, accept: &mut A) -> bool {
-    if in_space(&accel.spaces[0], 0, query, t_max, accept) {
+fn hits<L: Lanes, A: Accept>(accel: &Accel, query: Query<'_>, t_max: &mut f32, accept: &mut A) -> bool {
+    if in_space::<L, A>(&accel.spaces[0], 0, query, t_max, accept) {
         return true;
     }
     let Some(top) = &accel.top else { return false };
-    walk(top, &Boxes::new(query.ray), t_max, &mut Instances { accel, top, query, accept })
+    walk::<L>(
+        top,
+        &Boxes::new(query.ray),
+        t_max,
+        &mut Instances { accel, top, query, accept, lanes: PhantomData::<L> },
+    )
 }
 
 /// Keeps the lexicographic minimum of (t, instance, primitive).
@@ -341,15 +378,15 @@ impl Accept for Any {
 }
 
 #[inline(always)]
-pub(super) fn closest(accel: &Accel, ray: &Ray, from: PrimitiveId, camera: bool) -> Option<Hit> {
+pub(super) fn closest<L: Lanes>(accel: &Accel, ray: &Ray, from: PrimitiveId, camera: bool) -> Option<Hit> {
     let mut best = Closest(None);
     let mut t_max = ray.t_max;
-    hits(accel, Query { ray, skip: [from, PrimitiveId::NONE], camera }, &mut t_max, &mut best);
+    hits::<L, _>(accel, Query { ray, skip: [from, PrimitiveId::NONE], camera }, &mut t_max, &mut best);
     best.0
 }
 
 #[inline(always)]
-pub(super) fn occluded(accel: &Accel, ray: &Ray, between: [PrimitiveId; 2]) -> bool {
+pub(super) fn occluded<L: Lanes>(accel: &Accel, ray: &Ray, between: [PrimitiveId; 2]) -> bool {
     let mut t_max = ray.t_max;
-    hits(accel, Query { ray, skip: between, camera: false }, &mut t_max, &mut Any(ray.t_max))
+    hits::<L, _>(accel, Query { ray, skip: between, camera: false }, &mut t_max, &mut Any(ray.t_max))
 }

@@ -73,7 +73,7 @@ impl Tree {
         };
         let Some(built) = build::build(boxes) else { return tree };
         for children in &built.nodes {
-            let (lo, hi) = (F8::splat(f32::INFINITY), F8::splat(f32::NEG_INFINITY));
+            let (lo, hi) = (F8::all(f32::INFINITY), F8::all(f32::NEG_INFINITY));
             let mut node = Node { planes: [lo, lo, lo, hi, hi, hi], child: [0; 8] };
             for (lane, (bounds, child)) in children.iter().enumerate() {
                 for axis in 0..3 {
