@@ -64,9 +64,6 @@ pub(super) struct Built {
 /// Primitives that a leaf may hold.
 pub(super) const LEAF: usize = 8;
 const BINS: usize = 16;
-/// Cost of visiting a node against testing a packet of primitives; measured, see ARCHITECTURE.md.
-const NODE_COST: f32 = 1.0;
-
 struct Binary {
     bounds: Aabb,
     /// Indices of the two children, or the range of a leaf.
@@ -93,7 +90,8 @@ impl Builder<'_> {
     /// Builds the subtree over `order[start..end]`; `depth` bounds the recursion.
     fn node(&mut self, start: usize, end: usize, depth: u32) -> usize {
         let bounds = (start..end).fold(Aabb::EMPTY, |b, i| b.union(self.boxed(i)));
-        let split = if end - start <= 1 { None } else { self.split(start, end, bounds, depth) };
+        // A packet costs the same however full it is, so what fits into one is not split further.
+        let split = if end - start <= LEAF { None } else { Some(self.split(start, end, depth)) };
         let Some(middle) = split else {
             self.nodes.push(Binary { bounds, content: Err((start, end)) });
             return self.nodes.len() - 1;
@@ -104,20 +102,13 @@ impl Builder<'_> {
         self.nodes.len() - 1
     }
 
-    /// Partitions `order[start..end]` and returns the boundary; `None` where a leaf is cheaper.
-    fn split(&mut self, start: usize, end: usize, bounds: Aabb, depth: u32) -> Option<usize> {
+    /// Partitions `order[start..end]` and returns the boundary.
+    fn split(&mut self, start: usize, end: usize, depth: u32) -> usize {
         let n = end - start;
         let centroids = Aabb::of_points((start..end).map(|i| self.centroid(i)));
         let extent = centroids.hi - centroids.lo;
         // Deep chains of the heuristic are cut to halves, which bounds the recursion.
         let best = if depth < 48 { self.best_plane(start, end, centroids) } else { None };
-        if n <= LEAF {
-            let whole = bounds.half_area(self.unit);
-            let (_, _, cost) = best?;
-            if NODE_COST * whole + cost >= whole {
-                return None;
-            }
-        }
         if let Some((axis, bin, _)) = best {
             let scale = BINS as f32 / extent[axis];
             let in_left = |c: Vec3| (((c[axis] - centroids.lo[axis]) * scale) as usize).min(BINS - 1) <= bin;
@@ -129,11 +120,11 @@ impl Builder<'_> {
                 }
             }
             if middle > start && middle < end {
-                return Some(middle);
+                return middle;
             }
         }
         // All centroids coincide, or the chain grew too deep: halves.
-        Some(start + n / 2)
+        start + n / 2
     }
 
     /// The best of all binned planes: axis, last bin of the left side, and the children's cost.
