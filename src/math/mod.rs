@@ -36,24 +36,6 @@ pub fn cos(x: f32) -> f32 {
     libm::cosf(x)
 }
 
-/// Tangent of `x` radians.
-#[must_use]
-pub fn tan(x: f32) -> f32 {
-    libm::tanf(x)
-}
-
-/// Arc cosine in radians; the argument is clamped to [-1, 1].
-#[must_use]
-pub fn safe_acos(x: f32) -> f32 {
-    libm::acosf(x.clamp(-1.0, 1.0))
-}
-
-/// Arc sine in radians; the argument is clamped to [-1, 1].
-#[must_use]
-pub fn safe_asin(x: f32) -> f32 {
-    libm::asinf(x.clamp(-1.0, 1.0))
-}
-
 /// Angle of the point (x, y), in (-pi, pi].
 #[must_use]
 pub fn atan2(y: f32, x: f32) -> f32 {
@@ -101,24 +83,6 @@ pub fn pow5(x: f32) -> f32 {
     x2 * x2 * x
 }
 
-/// `a*b - c*d` without cancellation: the products of two `f32` are exact in `f64`.
-#[inline]
-#[must_use]
-pub fn difference_of_products(a: f32, b: f32, c: f32, d: f32) -> f32 {
-    (f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d)) as f32
-}
-
-/// `a x b`, each component free of cancellation (see [`difference_of_products`]).
-#[inline]
-#[must_use]
-pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    Vec3::new(
-        difference_of_products(a.y, b.z, a.z, b.y),
-        difference_of_products(a.z, b.x, a.x, b.z),
-        difference_of_products(a.x, b.y, a.y, b.x),
-    )
-}
-
 /// Mirrors `wo` about `n`; both leave the surface, so does the result.
 #[inline]
 #[must_use]
@@ -145,14 +109,6 @@ pub fn mix64(mut x: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn difference_of_products_keeps_what_cancels() {
-        let (a, b) = (1.0 + f32::EPSILON, 1.0 - f32::EPSILON);
-        assert_eq!(a * b - 1.0, 0.0, "the plain formula loses it");
-        let exact = f64::from(a) * f64::from(b) - 1.0;
-        assert_eq!(difference_of_products(a, b, 1.0, 1.0), exact as f32);
-    }
 
     #[test]
     fn floor_pow2_is_a_power_at_most_x() {
