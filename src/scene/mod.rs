@@ -13,6 +13,7 @@ mod light;
 mod material;
 mod mesh;
 mod note;
+pub(crate) mod notes;
 mod pictures;
 mod repair;
 pub mod text;
