@@ -7,6 +7,7 @@ mod bytes;
 mod command;
 mod compare;
 mod help;
+mod hostile;
 mod mistakes;
 mod render;
 mod tidy;
