@@ -18,9 +18,8 @@ use glam::Vec3;
 use super::fresnel::dielectric;
 use super::tables::AlbedoRow;
 use super::{SMOOTH_ALPHA, ggx};
-use crate::math::{self, INV_PI, PI, sin_cos_turn};
-
 use crate::color::Rgb;
+use crate::math::{self, INV_PI, PI, sin_cos_turn};
 
 /// A clear dielectric coat with exact Fresnel reflection.
 #[derive(Clone, Debug)]

@@ -306,7 +306,15 @@ impl LightSet {
                 let to = *position - origin;
                 let shadow_ray = Ray { o: origin, d: to.try_normalize()?, t_max: to.length() };
                 let weight = *intensity * (factor / (d2 * pmf));
-                Some(LightSample { wi, weight, pdf: pmf, delta: true, shadow_ray, target: PrimitiveId::NONE, cos: 1.0 })
+                Some(LightSample {
+                    wi,
+                    weight,
+                    pdf: pmf,
+                    delta: true,
+                    shadow_ray,
+                    target: PrimitiveId::NONE,
+                    cos: 1.0,
+                })
             }
             Emitter::Sun { towards, irradiance, one_minus_cos, .. } => {
                 if *one_minus_cos == 0.0 {

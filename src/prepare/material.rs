@@ -6,9 +6,7 @@ use std::sync::Arc;
 use crate::bsdf::dielectric::RoughDielectric;
 use crate::bsdf::fresnel::{dielectric, f0_of_ior, ior_of_f0};
 use crate::bsdf::tables::{self, AlbedoRow};
-use crate::bsdf::{
-    Bsdf, Charlie, Coat, Diffuse, Glass, Mirror, Principled, SMOOTH_ALPHA, Sheen, Specular,
-};
+use crate::bsdf::{Bsdf, Charlie, Coat, Diffuse, Glass, Mirror, Principled, SMOOTH_ALPHA, Sheen, Specular};
 use crate::color::Rgb;
 use crate::math;
 use crate::scene::{self, Absorption, MaterialKind, Scene};
