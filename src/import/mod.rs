@@ -13,6 +13,7 @@ mod error;
 mod file;
 mod gltf;
 mod names;
+mod picture;
 mod text;
 
 use std::path::Path;
