@@ -72,17 +72,8 @@ fn libraries(
     for (named, number) in &parsed.libraries {
         for name in library_names(named, folder) {
             let place = line(*number);
-            let read = file::below(folder, &name, &place).and_then(|path| file::read_regular(&path, budget));
-            let bytes = match read {
-                Ok(bytes) => bytes,
-                Err(fault) => {
-                    let message = format!("the material library {} {}", quoted(&name), texture::reason(&fault));
-                    log.add("mtllib-missing", NoteEffect::Differs, place, message);
-                    continue;
-                }
-            };
-            let text = match lines::decode(&bytes, budget) {
-                Ok((text, _)) => text,
+            let text = match library(&name, folder, &place, budget) {
+                Ok(text) => text,
                 Err(fault) => {
                     let message = format!("the material library {} {}", quoted(&name), texture::reason(&fault));
                     log.add("mtllib-missing", NoteEffect::Differs, place, message);
@@ -101,6 +92,16 @@ fn libraries(
         }
     }
     sources
+}
+
+/// The text of the library `name`; where its path leads nowhere, as one of another machine does, that of
+/// the file of its name beside the scene.
+fn library(name: &str, folder: &Path, place: &str, budget: &mut Budget) -> Result<String, Fault> {
+    let base = name.rsplit('/').next().unwrap_or(name);
+    let found = file::below(folder, name, place);
+    let path = found.or_else(|fault| file::below(folder, base, place).map_err(|_| fault))?;
+    let bytes = file::read_regular(&path, budget)?;
+    Ok(lines::decode(&bytes, budget)?.0.into_owned())
 }
 
 /// The files that one `mtllib` statement names: one whose name has blanks, where there is such a file, else

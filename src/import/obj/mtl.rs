@@ -135,16 +135,13 @@ pub(super) fn read(text: &str, file: &str, log: &mut Log) -> Vec<Source> {
 
 /// The statement in the form that tobj reads, or nothing and a note.
 fn rewrite(keyword: &str, rest: &str, place: &str, log: &mut Log) -> Option<(&'static str, String)> {
-    let mut ignored = |message: String| {
-        log.add("statement-ignored", NoteEffect::Differs, place, message);
-        None
-    };
     let lower = keyword.to_ascii_lowercase();
     if let Some(key) = COLORS.into_iter().find(|k| k.eq_ignore_ascii_case(keyword)) {
         let list: Option<Vec<f32>> = words(rest).take_while(|w| !w.starts_with('#')).map(number).collect();
         return match list.as_deref() {
             Some([]) | None => {
-                ignored(format!("`{key} {}` is no colour of one or three numbers: ignored", shown(rest)))
+                let message = format!("`{key} {}` is no colour of one or three numbers", shown(rest));
+                ignored(message, place, log)
             }
             // The format: the others are as the first.
             Some([r]) => Some((key, format!("{r:?} {r:?} {r:?}"))),
@@ -164,17 +161,22 @@ fn rewrite(keyword: &str, rest: &str, place: &str, log: &mut Log) -> Option<(&'s
             // tobj reads it as a byte.
             Some(v) if key == "illum" => Some((key, format!("{}", v.clamp(0.0, 255.0) as u8))),
             Some(v) => Some((key, format!("{v:?}"))),
-            None => ignored(format!("`{key} {}` is no number: ignored", shown(rest))),
+            None => ignored(format!("`{key} {}` is no number", shown(rest)), place, log),
         };
     }
     if let Some((_, key)) = MAPS.into_iter().find(|(k, _)| *k == lower) {
         if rest.is_empty() {
-            return ignored(format!("`{key}` names no picture: ignored"));
+            return ignored(format!("`{key}` names no picture"), place, log);
         }
         return Some((key, rest.to_owned()));
     }
     let message = format!("unknown statement {}", quoted(keyword));
     log.add("statement-ignored", NoteEffect::None, place, message);
+    None
+}
+
+fn ignored<T>(what: String, place: &str, log: &mut Log) -> Option<T> {
+    log.add("statement-ignored", NoteEffect::Differs, place, format!("{what}: ignored"));
     None
 }
 
