@@ -81,7 +81,8 @@ fn read_file(path: &Path, options: &ReadOptions) -> Result<(Scene, Vec<Note>), F
         return Err(Fault::Unsupported {
             place: "suffix".into(),
             feature: if suffix.is_empty() { "a file without a suffix".into() } else { format!(".{suffix}") },
-            help: "readable are .gltf and .glb (glTF 2.0), .obj, and .toml and .json with the key `epsilux`".into(),
+            help: "readable are .gltf and .glb (glTF 2.0), .obj, and .toml and .json with the key `epsilux`"
+                .into(),
         });
     }
     match &*suffix {

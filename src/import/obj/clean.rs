@@ -109,7 +109,8 @@ fn triangulate(parsed: &Parsed, budget: &mut Budget, log: &mut Log) -> Result<Ve
                 log.add("crossing-face", NoteEffect::Differs, place(), message);
             }
             Cover::TooLarge => {
-                let message = format!("a face that is not convex has more than {MAX_CORNERS} corners: dropped");
+                let message =
+                    format!("a face that is not convex has more than {MAX_CORNERS} corners: dropped");
                 log.add("faces-dropped", NoteEffect::Missing, place(), message);
             }
         }
@@ -258,7 +259,8 @@ fn complete(
         }
     }
     if filled > 0 {
-        let message = format!("{filled} corners lack texture coordinates that others of their mesh have: zero");
+        let message =
+            format!("{filled} corners lack texture coordinates that others of their mesh have: zero");
         log.add("uvs-partial", NoteEffect::None, "vt", message);
     }
 }

@@ -116,7 +116,8 @@ impl<'t> Iterator for Statements<'t> {
 /// count.
 pub(super) fn blender_header(text: &str) -> Option<&str> {
     let comments = text.split(['\n', '\r']).map(str::trim).take_while(|l| l.is_empty() || l.starts_with('#'));
-    let mut named = comments.take(16).filter_map(|l| l.trim_start_matches(['#', ' ']).strip_prefix("Blender"));
+    let mut named =
+        comments.take(16).filter_map(|l| l.trim_start_matches(['#', ' ']).strip_prefix("Blender"));
     let rest = named.next()?;
     let version = rest.trim_start_matches([' ', 'v']).split(' ').next().unwrap_or_default();
     Some(if version.starts_with(|c: char| c.is_ascii_digit()) { version } else { "" })
@@ -139,7 +140,7 @@ mod tests {
         check("v 1\nv 2", &[(1, "v 1"), (2, "v 2")]);
         check("v 1\r\nv 2\rv 3\n\rv 4", &[(1, "v 1"), (2, "v 2"), (3, "v 3"), (5, "v 4")]);
         check("  # c\n\n \t v\t1 \n", &[(3, "v\t1")]);
-        check("f 1 \\\n 2 \\\r\n 3\nv 1", &[(1, "f 1   2   3"), (4, "v 1")]);
+        check("f 1 \\\n 2 \\\r\n 3\nv 1", &[(1, "f 1  2  3"), (4, "v 1")]);
         check("# C:\\dir\\\nv 1", &[(2, "v 1")]);
         check("f 1 2 \\", &[(1, "f 1 2")]);
         check("\\\n\\\n\\", &[]);

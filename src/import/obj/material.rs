@@ -39,7 +39,8 @@ impl Reader<'_, '_> {
         let (ns, ni) = (self.number("Ns"), self.number("Ni"));
         let plain = source.color("Kd") == Some([0.8; 3]) && source.color("Ks") == Some([0.5; 3]);
         if plain && ni == Some(1.0) && ns.is_some_and(|n| (n - 360.0).abs() < 0.5) {
-            let message = "Kd 0.8, Ks 0.5, Ns 360, Ni 1: Blender writes this where the nodes hold no Principled BSDF";
+            let message =
+                "Kd 0.8, Ks 0.5, Ns 360, Ni 1: Blender writes this where the nodes hold no Principled BSDF";
             self.note("material-lost", NoteEffect::Missing, "newmtl", message);
         }
         let illum = self.number("illum").unwrap_or(2.0);
@@ -76,7 +77,9 @@ impl Reader<'_, '_> {
             factor(&mut p.roughness, source.map("map_Pr").is_some() && self.number("Pr").is_some());
             p.textures.roughness = Some(t);
         }
-        if let Some(t) = self.scalar("map_Pm").or_else(|| self.scalar("map_refl")).or_else(|| self.scalar("refl")) {
+        if let Some(t) =
+            self.scalar("map_Pm").or_else(|| self.scalar("map_refl")).or_else(|| self.scalar("refl"))
+        {
             factor(&mut p.metallic, self.number("Pm").is_some());
             p.textures.metallic = Some(t);
         }
@@ -219,7 +222,8 @@ impl Reader<'_, '_> {
         p.alpha = match (self.number("d"), self.number("Tr")) {
             (Some(d), _) => d,
             (None, Some(1.0)) => {
-                let message = "`Tr 1` would make the surface invisible; some programs mean the opposite: opaque";
+                let message =
+                    "`Tr 1` would make the surface invisible; some programs mean the opposite: opaque";
                 self.note("alpha-ignored", NoteEffect::Differs, "Tr", message);
                 1.0
             }
@@ -274,7 +278,9 @@ impl Reader<'_, '_> {
                 self.note("texture-ignored", NoteEffect::Missing, key, message);
             }
         }
-        if self.source.blender.is_none() && (self.source.map("refl").or(self.source.map("map_refl"))).is_some() {
+        if self.source.blender.is_none()
+            && (self.source.map("refl").or(self.source.map("map_refl"))).is_some()
+        {
             let message = "reflection maps are not read: surfaces reflect the scene";
             self.note("texture-ignored", NoteEffect::None, "refl", message);
         }
@@ -336,11 +342,7 @@ impl Reader<'_, '_> {
 fn specular_level(level: Rgb) -> (f32, Rgb) {
     let factor = level * 2.0;
     let strength = factor.max_channel();
-    if strength <= 1.0 && factor.min_channel() == strength {
-        (strength, Rgb::WHITE)
-    } else {
-        (1.0, factor)
-    }
+    if strength <= 1.0 && factor.min_channel() == strength { (strength, Rgb::WHITE) } else { (1.0, factor) }
 }
 
 /// Perceptual roughness of Phong's exponent.

@@ -75,7 +75,8 @@ fn libraries(
             let text = match library(&name, folder, &place, budget) {
                 Ok(text) => text,
                 Err(fault) => {
-                    let message = format!("the material library {} {}", quoted(&name), texture::reason(&fault));
+                    let message =
+                        format!("the material library {} {}", quoted(&name), texture::reason(&fault));
                     log.add("mtllib-missing", NoteEffect::Differs, place, message);
                     continue;
                 }
@@ -140,14 +141,15 @@ impl Used {
         }
         let kind = match asked {
             None => {
-                let message = "faces without a material: white plastic";
+                let message = "faces without a material are grey";
                 log.add("material-missing", NoteEffect::Differs, "usemtl", message);
                 material::default_kind()
             }
             Some((name, number)) => match self.libraries.get(name) {
                 Some(source) => material::convert(source, loader, log),
                 None => {
-                    let message = format!("the material {} is defined nowhere: white plastic", quoted(name));
+                    let message =
+                        format!("the material {} is defined nowhere: its faces are grey", quoted(name));
                     log.add("material-missing", NoteEffect::Differs, line(*number), message);
                     material::default_kind()
                 }

@@ -192,7 +192,8 @@ impl Parsed {
                 } else if self.libraries.len() < MAX_LIBRARIES {
                     self.libraries.push((rest.to_owned(), statement.line));
                 } else {
-                    let message = format!("more than {MAX_LIBRARIES} material libraries: the others are not read");
+                    let message =
+                        format!("more than {MAX_LIBRARIES} material libraries: the others are not read");
                     log.add("mtllib-ignored", NoteEffect::Missing, at(), message);
                 }
             }
@@ -200,8 +201,9 @@ impl Parsed {
                 let message = format!("`{keyword}` would run or include another file: never done");
                 log.add("command-ignored", NoteEffect::Missing, at(), message);
             }
-            "vp" | "cstype" | "deg" | "bmat" | "step" | "curv" | "curv2" | "surf" | "parm" | "trim" | "hole"
-            | "scrv" | "sp" | "end" | "con" | "ctech" | "stech" | "bsp" | "bzp" | "cdc" | "cdp" | "res" => {
+            "vp" | "cstype" | "deg" | "bmat" | "step" | "curv" | "curv2" | "surf" | "parm" | "trim"
+            | "hole" | "scrv" | "sp" | "end" | "con" | "ctech" | "stech" | "bsp" | "bzp" | "cdc" | "cdp"
+            | "res" => {
                 let message = "free-form curves and surfaces are not rendered";
                 log.add("free-form-ignored", NoteEffect::Missing, at(), message);
             }
@@ -282,7 +284,7 @@ impl Parsed {
     ) -> Result<(), Fault> {
         let start = self.corners.len();
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
-        for word in words(rest) {
+        for word in words(rest).take_while(|w| !w.starts_with('#')) {
             let corner = corner(word, counts).map_err(|expected| {
                 Fault::invalid(line(statement.line), format!("the corner {}", quoted(word)), expected)
             })?;
@@ -331,9 +333,10 @@ impl Parsed {
     fn check_indices(&self) -> Result<(), Fault> {
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
         let within = |index: u32, count: usize| index == NONE || (index as usize) < count;
-        let bad = self.corners.iter().position(|c| {
-            !(within(c.v, counts[0]) && within(c.vt, counts[1]) && within(c.vn, counts[2]))
-        });
+        let bad = self
+            .corners
+            .iter()
+            .position(|c| !(within(c.v, counts[0]) && within(c.vt, counts[1]) && within(c.vn, counts[2])));
         let Some(bad) = bad else { return Ok(()) };
         let corner = self.corners[bad];
         let face = self.faces.partition_point(|f| f.start <= bad).saturating_sub(1);
@@ -355,7 +358,12 @@ impl Parsed {
 }
 
 /// Adds to a list that stays countable by `u32`, and pays for it.
-fn push<T>(list: &mut Vec<T>, value: T, statement: &Statement<'_>, meter: &mut Meter<'_>) -> Result<(), Fault> {
+fn push<T>(
+    list: &mut Vec<T>,
+    value: T,
+    statement: &Statement<'_>,
+    meter: &mut Meter<'_>,
+) -> Result<(), Fault> {
     if list.len() >= MAX_VERTICES {
         return Err(Fault::Unsupported {
             place: line(statement.line),

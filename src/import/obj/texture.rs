@@ -137,7 +137,8 @@ impl Loader<'_> {
         let image = match self.image(source, &map.file, &place, log) {
             Ok(image) => image,
             Err(fault) => {
-                let message = format!("the picture {} of `{key}` {fault}: rendered without it", quoted(&map.file));
+                let message =
+                    format!("the picture {} of `{key}` {fault}: rendered without it", quoted(&map.file));
                 log.add("texture-missing", NoteEffect::Missing, place, message);
                 return None;
             }
@@ -150,15 +151,10 @@ impl Loader<'_> {
 
     /// The picture in `file`, from the folder of the material library; where it is not there, the file of
     /// that name beside the library or the scene, since paths are often those of another machine.
-    fn image(
-        &mut self,
-        source: &Source,
-        file: &str,
-        place: &str,
-        log: &mut Log,
-    ) -> Result<ImageId, String> {
+    fn image(&mut self, source: &Source, file: &str, place: &str, log: &mut Log) -> Result<ImageId, String> {
         let base = file.rsplit('/').next().unwrap_or(file);
-        let beside = [format!("{}{file}", source.folder), format!("{}{base}", source.folder), base.to_owned()];
+        let beside =
+            [format!("{}{file}", source.folder), format!("{}{base}", source.folder), base.to_owned()];
         let mut first = None;
         for (i, relative) in beside.iter().enumerate() {
             // A name that begins with `/` is absolute even behind a folder.
@@ -166,7 +162,8 @@ impl Loader<'_> {
             match self.pictures.file(relative, place, self.budget, log.notes()) {
                 Ok(image) => {
                     if i > 0 && base != file {
-                        let message = "a picture's path leads elsewhere: the file of its name beside the scene is used";
+                        let message =
+                            "a picture's path leads elsewhere: the file of its name beside the scene is used";
                         log.add("path-shortened", NoteEffect::None, place, message);
                     }
                     return Ok(image);
@@ -211,7 +208,10 @@ impl Loader<'_> {
             Some(Texels::Short(t)) => mean(t, 65535.0),
             _ => return false,
         };
-        (mean[0] - 0.5).abs() < 0.2 && (mean[1] - 0.5).abs() < 0.2 && mean[2] > mean[0] + 0.15 && mean[2] > 0.6
+        (mean[0] - 0.5).abs() < 0.2
+            && (mean[1] - 0.5).abs() < 0.2
+            && mean[2] > mean[0] + 0.15
+            && mean[2] > 0.6
     }
 }
 
@@ -231,7 +231,9 @@ pub(super) fn reason(fault: &Fault) -> String {
             let reason = reason.split(" (").next().unwrap_or_default();
             format!("cannot be read ({reason})")
         }
-        Fault::Invalid { found, expected, .. } => format!("cannot be read (found {found}, expected {expected})"),
+        Fault::Invalid { found, expected, .. } => {
+            format!("cannot be read (found {found}, expected {expected})")
+        }
         Fault::Unsupported { feature, .. } => format!("cannot be read ({feature} is not supported)"),
         Fault::Text { .. } => "cannot be read".to_owned(),
     }
