@@ -19,6 +19,7 @@ mod text;
 
 use std::path::Path;
 
+use crate::scene::text::Syntax;
 use crate::scene::{Note, Scene, notes};
 
 use budget::Budget;
@@ -87,8 +88,8 @@ fn read_file(path: &Path, options: &ReadOptions) -> Result<(Scene, Vec<Note>), F
     }
     match &*suffix {
         "obj" => obj::read(&bytes, path, &mut budget),
-        "toml" => text::read_toml(bytes),
-        "json" if !text::is_gltf(&bytes) => text::read_json(bytes),
+        "toml" => text::read(bytes, Syntax::Toml, folder, &mut budget),
+        "json" if !text::is_gltf(&bytes) => text::read(bytes, Syntax::Json, folder, &mut budget),
         _ => gltf::read_json(&bytes, folder, options, &mut budget),
     }
 }
