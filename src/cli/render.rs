@@ -205,6 +205,7 @@ impl Job {
         job.slips = args.as_printed.as_deref().map_or(Slips::NONE, SlipArg::slips);
         if job.method == Method::Report {
             job.passes = rays_per_pixel(job.passes);
+            job.prepare.max_depth = job.prepare.max_depth.or(Some(Shortcuts::REPORT.depth));
         }
         job.progress = args.progress;
         job.strict = args.strict;
@@ -317,12 +318,12 @@ impl Job {
         };
         let tracer = Tracer::new(scene, &options).map_err(failure)?;
         if self.strict {
-            notes::refuse(&tracer.notes)?;
+            notes::refuse(tracer.notes())?;
         }
         if !self.quiet {
-            notes::show(&tracer.notes, self.verbose, console);
+            notes::show(tracer.notes(), self.verbose, console);
         }
-        notes.extend(tracer.notes.iter().cloned());
+        notes.extend(tracer.notes().iter().cloned());
         let outcome = tracer.render(&options, watch).map_err(failure)?;
         Ok(Rendered::new(outcome, prepare::analyse(scene, &scene.cameras[camera], &self.prepare)))
     }
@@ -391,6 +392,9 @@ impl Job {
         ];
         if self.method != Method::Reference {
             list.push(("replications", rendered.plan.replications.to_string()));
+        }
+        if self.method == Method::Report && self.slips != Slips::NONE {
+            list.push(("slips", self.slips.names().join(", ")));
         }
         if rendered.partial {
             list.push(("partial", "some pixels have no samples".to_owned()));

@@ -17,10 +17,11 @@
 //! surfaces (refused), rough materials (reduced to the nearest of its four, with a note), surfaces inside
 //! of absorbing glass, and anything much smaller than the four centimetres by which rays are moved.
 
+mod room;
 #[cfg(test)]
 mod tests;
 
-use glam::{DAffine3, Vec3};
+use glam::Vec3;
 use rand::RngExt as _;
 
 use super::li::Counters;
@@ -32,13 +33,15 @@ use crate::math::{Frame, PI, pow, pow5, safe_sqrt, sin_cos_turn, sqr};
 use crate::prepare::{self, CameraRays};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose, Stream};
-use crate::scene::{Material, MaterialKind, Note, NoteEffect, Scene, Shape, Sides};
-use crate::shape::triangle;
+use crate::scene::{Note, Scene};
+use room::{Kind, Object, Room, Solid};
 
 /// Triangles that are still tried one by one for each ray.
 pub const MOST_TRIANGLES: usize = 10_000;
 /// Triangles that emit: each costs a shadow ray at every diffuse hit.
 pub const MOST_LIGHTS: usize = 64;
+/// Scattering events at which a tree ends in any case.
+pub const MOST_EVENTS: u32 = 1000;
 
 /// The report's slips, each by its section: true brings it back. All false is the corrected method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,6 +87,22 @@ impl Slips {
         roulette_sign: true,
         schlick_inside_angle: true,
     };
+
+    /// The names of those that are on, as the command line has them.
+    #[must_use]
+    pub fn names(self) -> Vec<&'static str> {
+        let all = [
+            (self.q_vector, "q-vector"),
+            (self.area, "area"),
+            (self.inverse_pi, "inverse-pi"),
+            (self.light_count, "light-count"),
+            (self.shadow_comparison, "shadow-comparison"),
+            (self.extra_pi, "extra-pi"),
+            (self.roulette_sign, "roulette-sign"),
+            (self.schlick_inside_angle, "schlick"),
+        ];
+        all.into_iter().filter(|(on, _)| *on).map(|(_, name)| name).collect()
+    }
 }
 
 /// What the report simplifies, and the numbers that it takes.
@@ -155,6 +174,79 @@ pub(crate) fn sphere_pq(ps: Vec3, d: Vec3, c: Vec3, r: f32) -> Option<[f32; 2]> 
 /// [`Shortcuts::offset`], 4 % in the report.
 pub(crate) fn offset_along_normal(p: Vec3, n: Vec3, share: f32) -> Vec3 {
     p + n * share
+}
+
+struct Hit {
+    t: f32,
+    /// Unit normal on the front.
+    n: Vec3,
+    object: usize,
+    /// Whether shadow rays go to what was hit.
+    has_shadow_rays: bool,
+}
+
+impl Tracer {
+    /// The first surface that the ray from `ps` along `d` meets.
+    fn nearest(&self, ps: Vec3, d: Vec3, from_camera: bool) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        for (object, Object { surface, hidden_from_camera, around, solid }) in
+            self.room.objects.iter().enumerate()
+        {
+            if from_camera && *hidden_from_camera {
+                continue;
+            }
+            let limit = nearest.as_ref().map_or(f32::INFINITY, |hit| hit.t);
+            match solid {
+                Solid::Sphere { c, r } => {
+                    if let Some(t) = first(sphere_pq(ps, d, *c, *r)).filter(|t| *t < limit) {
+                        let n = (ps + d * t - *c) / *r;
+                        nearest = Some(Hit { t, n, object, has_shadow_rays: false });
+                    }
+                }
+                Solid::Triangles(triangles) => {
+                    if passes_by(ps, d, *around) {
+                        continue;
+                    }
+                    let mut limit = limit;
+                    for (v, n) in triangles {
+                        if let Some([t, ..]) = moeller_trumbore(ps, d, *v, self.slips)
+                            && t < limit
+                        {
+                            limit = t;
+                            let has_shadow_rays = !surface.emission.is_black();
+                            nearest = Some(Hit { t, n: *n, object, has_shadow_rays });
+                        }
+                    }
+                }
+            }
+        }
+        nearest
+    }
+
+    /// Whether anything is in the way of the shadow ray from `ps` along `d` to a light `length` metres away.
+    fn blocked(&self, ps: Vec3, d: Vec3, length: f32) -> bool {
+        // The light itself is not in the way.
+        let length = length * 0.9999;
+        self.room.objects.iter().any(|Object { around, solid, .. }| match solid {
+            Solid::Sphere { c, r } => first(sphere_pq(ps, d, *c, *r)).is_some_and(|t| t < length),
+            Solid::Triangles(triangles) => {
+                let hit = |(v, _): &([Vec3; 3], Vec3)| moeller_trumbore(ps, d, *v, self.slips);
+                !passes_by(ps, d, *around)
+                    && triangles.iter().any(|t| hit(t).is_some_and(|[t, ..]| t < length))
+            }
+        })
+    }
+}
+
+/// The smaller distance that is ahead.
+fn first(distances: Option<[f32; 2]>) -> Option<f32> {
+    distances?.into_iter().find(|t| *t > 0.0)
+}
+
+/// Whether the ray surely passes by the sphere `(c, r)`.
+fn passes_by(ps: Vec3, d: Vec3, (c, r): (Vec3, f32)) -> bool {
+    let m = ps - c;
+    m.length_squared() > r * r && (m.dot(d) > 0.0 || m.cross(d).length_squared() > r * r)
 }
 
 // ---------------------------------------------------------------------------------------------------
@@ -284,12 +376,12 @@ impl Tracer {
             counters.rays += 1;
             let from_camera = ray.depth == 0;
             let Some(hit) = self.nearest(ray.ps, ray.d, from_camera) else {
-                if !from_camera || self.sees_environment {
-                    sum += ray.w * self.environment;
+                if !from_camera || self.room.sees_environment {
+                    sum += ray.w * self.room.environment;
                 }
                 continue;
             };
-            let surface = &self.objects[hit.object].surface;
+            let surface = &self.room.objects[hit.object].surface;
             // The side that the ray is on.
             let front = hit.n.dot(ray.d) < 0.0;
             let n = if front { hit.n } else { -hit.n };
@@ -357,7 +449,7 @@ impl Tracer {
     /// light.
     fn direct_light(&self, p: Vec3, n: Vec3, rng: &mut Stream, counters: &mut Counters) -> Rgb {
         let mut sum = Rgb::BLACK;
-        for light in &self.lights {
+        for light in &self.room.lights {
             let [u, v] = random(rng);
             let way = point_of_light(light.v, u, v) - p;
             let d = way.length();
@@ -366,7 +458,8 @@ impl Tracer {
             if light.both_sides {
                 beta = beta.abs();
             }
-            let share = shadow_ray([n.dot(direction), beta], d, light.area, self.lights.len(), self.slips);
+            let share =
+                shadow_ray([n.dot(direction), beta], d, light.area, self.room.lights.len(), self.slips);
             if share > 0.0 {
                 counters.rays += 1;
                 if !self.blocked(p, direction, d) {
@@ -499,72 +592,17 @@ pub enum ReportError {
 /// A scene, ready for the report's method.
 #[derive(Debug)]
 pub struct Tracer {
-    objects: Vec<Object>,
-    lights: Vec<Light>,
-    environment: Rgb,
-    sees_environment: bool,
+    room: Room,
     camera: CameraRays,
     size: [u32; 2],
     rays: u32,
     seed: u64,
     slips: Slips,
     shortcuts: Shortcuts,
-    /// What is rendered otherwise than the scene has it.
-    pub notes: Vec<Note>,
-}
-
-#[derive(Debug)]
-struct Object {
-    surface: Surface,
-    hidden_from_camera: bool,
-    /// A sphere around it: centre and radius.
-    around: (Vec3, f32),
-    solid: Solid,
-}
-
-#[derive(Debug)]
-enum Solid {
-    Sphere { c: Vec3, r: f32 },
-    Triangles(Vec<([Vec3; 3], Vec3)>),
-}
-
-/// A triangle that emits.
-#[derive(Debug)]
-struct Light {
-    v: [Vec3; 3],
-    n: Vec3,
-    area: f32,
-    radiance: Rgb,
-    both_sides: bool,
-}
-
-/// A material, reduced to what the report knows.
-#[derive(Clone, Copy, Debug)]
-struct Surface {
-    emission: Rgb,
-    both_sides: bool,
-    kind: Kind,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    Black,
-    Diffuse { rho: Rgb },
-    Mirror { color: Rgb },
-    Glass { ior: f32, tint: Rgb, interior: Option<(Rgb, f32)> },
-}
-
-struct Hit {
-    t: f32,
-    /// Unit normal on the front.
-    n: Vec3,
-    object: usize,
-    /// Whether shadow rays go to what was hit.
-    has_shadow_rays: bool,
 }
 
 impl Tracer {
-    /// Flattens a scene into world space, and reduces its materials.
+    /// Makes a scene ready: its surfaces in world space, its materials reduced to the report's.
     ///
     /// # Errors
     /// Where the scene holds what the report's method cannot do, or too much of what it can.
@@ -572,64 +610,22 @@ impl Tracer {
         let count = scene.cameras.len();
         let missing = ReportError::NoCamera { camera: options.camera, count };
         let camera = scene.cameras.get(options.camera).ok_or(missing)?;
-        if let Some(light) = scene.lights.first() {
-            return Err(ReportError::Light { name: light.name.clone() });
-        }
-        let mut notes = Vec::new();
-        let surfaces: Vec<_> = scene.materials.iter().map(|m| reduce(m, &mut notes)).collect();
-        let (mut objects, mut lights, mut found) = (Vec::new(), Vec::new(), 0);
-        for object in &scene.objects {
-            let Some(&surface) = surfaces.get(object.material.0 as usize) else { continue };
-            let hidden_from_camera = !object.visible_to_camera;
-            let (around, solid) = match object.shape {
-                Shape::Sphere { radius } => {
-                    let scale = libm::cbrt(object.transform.matrix3.determinant().abs());
-                    let (c, r) = (object.transform.translation.as_vec3(), (radius * scale) as f32);
-                    ((c, r), Solid::Sphere { c, r })
-                }
-                Shape::Mesh(id) => {
-                    let Some(mesh) = scene.meshes.get(id.0 as usize) else { continue };
-                    found += mesh.triangles.len();
-                    if found > MOST_TRIANGLES {
-                        continue;
-                    }
-                    if !mesh.normals.is_empty() {
-                        notes.push(note("report-normals", &object.name, "is rendered with flat triangles"));
-                    }
-                    let triangles = flatten(&mesh.positions, &mesh.triangles, &object.transform);
-                    (ball_around(&triangles), Solid::Triangles(triangles))
-                }
-            };
-            if let (Solid::Triangles(triangles), false) = (&solid, surface.emission.is_black()) {
-                let Surface { emission: radiance, both_sides, .. } = surface;
-                let light = |&(v, n): &([Vec3; 3], Vec3)| {
-                    let area = triangle::area(v) as f32;
-                    Light { v, n, area, radiance, both_sides }
-                };
-                lights.extend(triangles.iter().map(light));
-            }
-            objects.push(Object { surface, hidden_from_camera, around, solid });
-        }
-        if found > MOST_TRIANGLES {
-            return Err(ReportError::Triangles { found });
-        }
-        if lights.len() > MOST_LIGHTS {
-            return Err(ReportError::Lights { found: lights.len() });
-        }
-        let environment = scene.environment.as_ref();
+        let shortcuts = options.shortcuts;
         Ok(Self {
-            objects,
-            lights,
-            environment: environment.map_or(Rgb::BLACK, |e| e.radiance),
-            sees_environment: environment.is_some_and(|e| e.visible_to_camera),
+            room: Room::new(scene)?,
             camera: CameraRays::new(camera, options.size),
             size: options.size,
             rays: rays_per_pixel(options.rays),
             seed: options.seed,
             slips: options.slips,
-            shortcuts: options.shortcuts,
-            notes,
+            shortcuts: Shortcuts { depth: shortcuts.depth.min(MOST_EVENTS), ..shortcuts },
         })
+    }
+
+    /// What is rendered otherwise than the scene has it.
+    #[must_use]
+    pub fn notes(&self) -> &[Note] {
+        &self.room.notes
     }
 
     /// Renders the picture, or the part of it that `options` name; otherwise they are those of [`Tracer::new`].
@@ -637,13 +633,13 @@ impl Tracer {
     /// # Errors
     /// See [`ReportError`].
     pub fn render(&self, options: &ReportOptions, control: &dyn Control) -> Result<Outcome, ReportError> {
-        let emitted = self.objects.iter().map(|o| o.surface.emission.max_channel());
+        let emitted = self.room.objects.iter().map(|o| o.surface.emission.max_channel());
         let [w, h] = self.size;
         let layout = FilmLayout {
             crop: options.crop.unwrap_or([0, 0, w, h]),
             full_size: self.size,
             replications: prepare::replications(u64::from(w) * u64::from(h)),
-            radiance: FixedPoint::around(emitted.fold(self.environment.max_channel(), f32::max)),
+            radiance: FixedPoint::around(emitted.fold(self.room.environment.max_channel(), f32::max)),
             length: FixedPoint::around(1.0),
             features: false,
             transparent: false,
@@ -657,120 +653,4 @@ impl Tracer {
         };
         Ok(drive(self, layout, &passes, control)?)
     }
-
-    /// The first surface that the ray from `ps` along `d` meets.
-    fn nearest(&self, ps: Vec3, d: Vec3, from_camera: bool) -> Option<Hit> {
-        let mut nearest: Option<Hit> = None;
-        for (object, Object { surface, hidden_from_camera, around, solid }) in self.objects.iter().enumerate()
-        {
-            if from_camera && *hidden_from_camera {
-                continue;
-            }
-            let limit = nearest.as_ref().map_or(f32::INFINITY, |hit| hit.t);
-            match solid {
-                Solid::Sphere { c, r } => {
-                    if let Some(t) = first(sphere_pq(ps, d, *c, *r)).filter(|t| *t < limit) {
-                        let n = (ps + d * t - *c) / *r;
-                        nearest = Some(Hit { t, n, object, has_shadow_rays: false });
-                    }
-                }
-                Solid::Triangles(triangles) => {
-                    if passes_by(ps, d, *around) {
-                        continue;
-                    }
-                    let mut limit = limit;
-                    for (v, n) in triangles {
-                        if let Some([t, ..]) = moeller_trumbore(ps, d, *v, self.slips)
-                            && t < limit
-                        {
-                            limit = t;
-                            let has_shadow_rays = !surface.emission.is_black();
-                            nearest = Some(Hit { t, n: *n, object, has_shadow_rays });
-                        }
-                    }
-                }
-            }
-        }
-        nearest
-    }
-
-    /// Whether anything is in the way of the shadow ray from `ps` along `d` to a light `length` metres away.
-    fn blocked(&self, ps: Vec3, d: Vec3, length: f32) -> bool {
-        // The light itself is not in the way.
-        let length = length * 0.9999;
-        self.objects.iter().any(|Object { around, solid, .. }| match solid {
-            Solid::Sphere { c, r } => first(sphere_pq(ps, d, *c, *r)).is_some_and(|t| t < length),
-            Solid::Triangles(triangles) => {
-                let hit = |(v, _): &([Vec3; 3], Vec3)| moeller_trumbore(ps, d, *v, self.slips);
-                !passes_by(ps, d, *around)
-                    && triangles.iter().any(|t| hit(t).is_some_and(|[t, ..]| t < length))
-            }
-        })
-    }
-}
-
-/// The smaller distance that is ahead.
-fn first(distances: Option<[f32; 2]>) -> Option<f32> {
-    distances?.into_iter().find(|t| *t > 0.0)
-}
-
-/// Whether the ray surely passes by the sphere `(c, r)`.
-fn passes_by(ps: Vec3, d: Vec3, (c, r): (Vec3, f32)) -> bool {
-    let m = ps - c;
-    m.length_squared() > r * r && (m.dot(d) > 0.0 || m.cross(d).length_squared() > r * r)
-}
-
-/// A sphere around triangles, with room for rounding.
-fn ball_around(triangles: &[([Vec3; 3], Vec3)]) -> (Vec3, f32) {
-    let corners = || triangles.iter().flat_map(|(v, _)| *v);
-    let low = corners().fold(Vec3::INFINITY, Vec3::min);
-    let high = corners().fold(Vec3::NEG_INFINITY, Vec3::max);
-    let c = 0.5 * (low + high);
-    let magnitude = low.abs().max(high.abs()).max_element();
-    (c, corners().fold(0.0, |r: f32, p| r.max(p.distance(c))) + 1e-4 * magnitude)
-}
-
-/// World-space triangles with their normals; those without area are left out.
-fn flatten(positions: &[Vec3], triangles: &[[u32; 3]], to_world: &DAffine3) -> Vec<([Vec3; 3], Vec3)> {
-    let mirrored = to_world.matrix3.determinant() < 0.0;
-    let place = |i: u32| positions.get(i as usize).map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3());
-    let one = |&[i, j, k]: &[u32; 3]| {
-        // Winding decides where the front is, and a mirroring transform turns it over.
-        let (j, k) = if mirrored { (k, j) } else { (j, k) };
-        let v = [place(i)?, place(j)?, place(k)?];
-        Some((v, triangle::normal(v)?))
-    };
-    triangles.iter().filter_map(one).collect()
-}
-
-fn note(code: &'static str, name: &str, what: &str) -> Note {
-    Note { code, place: String::new(), message: format!("\"{name}\" {what}"), effect: NoteEffect::Differs }
-}
-
-/// The nearest of the report's four materials.
-fn reduce(material: &Material, notes: &mut Vec<Note>) -> Surface {
-    let kind = match &material.kind {
-        MaterialKind::Diffuse { color } => Kind::Diffuse { rho: *color },
-        MaterialKind::Mirror { color } => Kind::Mirror { color: *color },
-        MaterialKind::Glass(g) => {
-            let interior = g.absorption.map(|a| (a.color, a.distance));
-            Kind::Glass { ior: g.ior, tint: g.tint, interior }
-        }
-        MaterialKind::Light { .. } => Kind::Black,
-        MaterialKind::Principled(p) => {
-            let (name, kind) = if p.metallic > 0.5 {
-                ("a mirror", Kind::Mirror { color: p.base_color })
-            } else if p.transmission > 0.5 {
-                let interior = p.absorption.map(|a| (a.color, a.distance));
-                ("glass", Kind::Glass { ior: p.ior, tint: p.transmission_tint, interior })
-            } else {
-                ("diffuse", Kind::Diffuse { rho: p.base_color })
-            };
-            let what = format!("is principled and is rendered as {name}");
-            notes.push(note("report-material", &material.name, &what));
-            kind
-        }
-    };
-    let (emission, sides) = material.kind.emission().unwrap_or_default();
-    Surface { emission, both_sides: sides == Sides::Both, kind }
 }
