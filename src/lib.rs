@@ -12,6 +12,7 @@ pub mod bsdf;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod color;
+pub mod export;
 pub mod film;
 pub mod guide;
 pub mod import;

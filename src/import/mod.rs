@@ -13,12 +13,11 @@ mod error;
 mod file;
 mod gltf;
 mod names;
-mod notes;
 mod text;
 
 use std::path::Path;
 
-use crate::scene::{Note, Scene};
+use crate::scene::{Note, Scene, notes};
 
 use budget::Budget;
 use error::Fault;

@@ -39,6 +39,7 @@ pub fn complete(scene: &mut Scene) -> Vec<Note> {
         scene.environment = Some(Environment {
             name: DEFAULT_DOME.to_owned(),
             radiance: Rgb::WHITE,
+            image: None,
             visible_to_camera: true,
         });
         note(

@@ -5,6 +5,7 @@
 
 use glam::DAffine3;
 
+use super::ImageId;
 use crate::color::Rgb;
 
 /// A light placed in the world; it shines along its own -Z, with +Y up.
@@ -87,8 +88,22 @@ pub enum SpotFalloff {
 pub struct Environment {
     /// For people.
     pub name: String,
-    /// Radiance from every direction, W sr^-1 m^-2, [0, inf).
+    /// Radiance from every direction, W sr^-1 m^-2, [0, inf); a factor where there is an image.
     pub radiance: Rgb,
+    /// A picture of all directions.
+    pub image: Option<EnvironmentImage>,
     /// Whether camera rays see it.
     pub visible_to_camera: bool,
+}
+
+/// A picture of all directions: longitude and latitude (equirectangular), top row straight up (+Y).
+///
+/// Without rotation its middle is seen along -Z, and +X to the right of it: direction d has
+/// u = 1/2 + atan2(d.x, -d.z) / (2 pi) and v = acos(d.y) / pi.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnvironmentImage {
+    /// The picture; integers in it are sRGB.
+    pub image: ImageId,
+    /// Radians by which everything is turned about +Y, counter-clockwise seen from above.
+    pub rotation: f64,
 }

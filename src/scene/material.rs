@@ -1,5 +1,6 @@
 //! Materials: the report's four, and one principled material for everything else.
 
+use super::Textures;
 use crate::color::Rgb;
 
 /// A named material.
@@ -67,10 +68,12 @@ pub struct Absorption {
     pub distance: f32,
 }
 
-/// glTF 2.0's metallic-roughness material with transmission, ior, specular, volume and emission.
+/// glTF 2.0's metallic-roughness material with transmission, ior, specular, volume, emission,
+/// clearcoat and sheen.
 ///
-/// Layers, from the top: a dielectric specular layer over diffuse or transmission, mixed with metal.
-/// A lower layer receives what the directional albedo of the one above leaves.
+/// Layers, from the top: sheen, coat, then a dielectric specular layer over diffuse or transmission,
+/// mixed with metal. A lower layer receives what the directional albedo of the one above leaves; the
+/// coat dims emission too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Principled {
     /// Diffuse reflectance, or the metal's reflectance at normal incidence, [0, 1].
@@ -95,6 +98,38 @@ pub struct Principled {
     pub absorption: Option<Absorption>,
     /// Emitted radiance on both sides, W sr^-1 m^-2, [0, inf).
     pub emission: Rgb,
+    /// Coverage, [0, 1], where `alpha_mode` looks at it: the rest of the light passes straight through.
+    pub alpha: f32,
+    /// What alpha does.
+    pub alpha_mode: AlphaMode,
+    /// Weight of a clear dielectric coat, [0, 1].
+    pub coat: f32,
+    /// Perceptual roughness of the coat, [0, 1].
+    pub coat_roughness: f32,
+    /// Index of refraction of the coat, [1, inf).
+    pub coat_ior: f32,
+    /// Reflectance of a layer of fibres, [0, 1]; black has no sheen.
+    pub sheen_color: Rgb,
+    /// Perceptual roughness of the sheen, [0, 1].
+    pub sheen_roughness: f32,
+    /// What multiplies the numbers and colours above.
+    pub textures: Textures,
+}
+
+/// What alpha does. Light that passes is not scattered: it goes straight on, shadow rays too, and no
+/// depth is counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing: the surface is solid.
+    #[default]
+    Opaque,
+    /// The surface is there where alpha reaches the cut-off, and not there elsewhere.
+    Mask {
+        /// [0, 1].
+        cutoff: f32,
+    },
+    /// A share alpha of the surface is there.
+    Blend,
 }
 
 impl Default for Principled {
@@ -113,6 +148,14 @@ impl Default for Principled {
             thin: false,
             absorption: None,
             emission: Rgb::BLACK,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
+            coat: 0.0,
+            coat_roughness: 0.0,
+            coat_ior: 1.5,
+            sheen_color: Rgb::BLACK,
+            sheen_roughness: 0.5,
+            textures: Textures::default(),
         }
     }
 }

@@ -17,7 +17,8 @@ pub struct Mesh {
     pub tangents: Vec<Vec4>,
     /// Two sets of texture coordinates; the origin is the top left of the picture, as in glTF.
     pub uvs: [Vec<Vec2>; 2],
-    /// Linear vertex colours with alpha.
+    /// Linear vertex colours with alpha: factors on the colour of diffuse and on base colour and alpha of
+    /// principled materials.
     pub colors: Vec<Vec4>,
     /// Three vertex indices a triangle.
     pub triangles: Vec<[u32; 3]>,

@@ -8,20 +8,26 @@
 
 mod camera;
 mod defaults;
+mod image;
 mod light;
 mod material;
 mod mesh;
 mod note;
+pub(crate) mod notes;
+mod pictures;
 mod repair;
 pub mod text;
+mod texture;
 mod validate;
 
 pub use camera::{Camera, FovAxis, Lens, Projection};
 pub use defaults::{DEFAULT_CAMERA, DEFAULT_DOME, complete};
-pub use light::{AreaShape, Environment, Light, LightKind, SpotFalloff};
-pub use material::{Absorption, Glass, Material, MaterialKind, Principled, Sides};
+pub use image::{Encoded, Image, ImageFormat, ImageId, Pixels, Texels};
+pub use light::{AreaShape, Environment, EnvironmentImage, Light, LightKind, SpotFalloff};
+pub use material::{Absorption, AlphaMode, Glass, Material, MaterialKind, Principled, Sides};
 pub use mesh::Mesh;
 pub use note::{Effect as NoteEffect, Note};
+pub use texture::{Channel, Filter, NormalTexture, ScalarTexture, Texture, Textures, Wrap};
 pub use validate::{MAX_LENGTH, MAX_RADIANCE, MAX_SIDE, MIN_LENGTH, SceneError, validate};
 
 use glam::DAffine3;
@@ -41,6 +47,8 @@ pub struct Scene {
     pub title: String,
     /// Materials; names are unique.
     pub materials: Vec<Material>,
+    /// Pictures, each usable by any number of textures.
+    pub images: Vec<Image>,
     /// Meshes, each usable by any number of objects.
     pub meshes: Vec<Mesh>,
     /// Shapes placed in the world. Their order decides ties between coincident surfaces.

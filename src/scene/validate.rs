@@ -10,6 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DAffine3, DVec3};
 
+use super::pictures;
 use super::repair::repair;
 use super::{
     Absorption, Camera, Light, LightKind, Material, MaterialKind, Mesh, Note, Object, Principled, Projection,
@@ -40,7 +41,7 @@ pub struct SceneError {
     pub message: String,
 }
 
-type Check = Result<(), SceneError>;
+pub(super) type Check = Result<(), SceneError>;
 
 /// Checks every value, and repairs what can be repaired (degenerate triangles are dropped).
 ///
@@ -49,8 +50,9 @@ type Check = Result<(), SceneError>;
 pub fn validate(scene: &mut Scene) -> Result<Vec<Note>, SceneError> {
     settings(&scene.settings)?;
     unique("materials", "material", scene.materials.iter().map(|m| m.name.as_str()))?;
+    pictures::images(&scene.images)?;
     for (i, m) in scene.materials.iter().enumerate() {
-        material(m, &format!("materials[{i}]"))?;
+        material(m, scene.images.len(), &format!("materials[{i}]"))?;
     }
     let mut notes = Vec::new();
     for (i, mesh) in scene.meshes.iter_mut().enumerate() {
@@ -71,12 +73,12 @@ pub fn validate(scene: &mut Scene) -> Result<Vec<Note>, SceneError> {
         camera(c, &format!("cameras[{i}]"))?;
     }
     if let Some(e) = &scene.environment {
-        emitted("environment.radiance", e.radiance)?;
+        pictures::environment(e, scene)?;
     }
     Ok(notes)
 }
 
-fn wrong<T>(place: impl Into<String>, message: impl Into<String>) -> Result<T, SceneError> {
+pub(super) fn wrong<T>(place: impl Into<String>, message: impl Into<String>) -> Result<T, SceneError> {
     Err(SceneError { place: place.into(), message: message.into() })
 }
 
@@ -110,12 +112,12 @@ fn settings(s: &Settings) -> Check {
     }
 }
 
-fn in_range(place: impl Into<String>, value: f64, ok: bool, range: &str) -> Check {
+pub(super) fn in_range(place: impl Into<String>, value: f64, ok: bool, range: &str) -> Check {
     if ok { Ok(()) } else { wrong(place, format!("{value} has to be {range}")) }
 }
 
 /// A fraction, such as roughness.
-fn fraction(place: String, value: f32) -> Check {
+pub(super) fn fraction(place: String, value: f32) -> Check {
     in_range(place, value.into(), (0.0..=1.0).contains(&value), "from 0 to 1")
 }
 
@@ -131,7 +133,7 @@ fn reflectance(place: String, c: Rgb) -> Check {
     channels(place, c, |v| (0.0..=1.0).contains(&v), "from 0 to 1")
 }
 
-fn emitted(place: impl Into<String>, c: Rgb) -> Check {
+pub(super) fn emitted(place: impl Into<String>, c: Rgb) -> Check {
     channels(place, c, |v| (0.0..=MAX_RADIANCE).contains(&v), "from 0 to 1e30")
 }
 
@@ -140,7 +142,7 @@ fn length(place: String, value: f64) -> Check {
     in_range(place, value, (MIN_LENGTH..=MAX_LENGTH).contains(&value), "from 1e-15 to 1e15 metres")
 }
 
-fn material(m: &Material, place: &str) -> Check {
+fn material(m: &Material, images: usize, place: &str) -> Check {
     match &m.kind {
         MaterialKind::Diffuse { color } => reflectance(format!("{place}.diffuse"), *color),
         MaterialKind::Mirror { color } => reflectance(format!("{place}.mirror"), *color),
@@ -152,11 +154,11 @@ fn material(m: &Material, place: &str) -> Check {
             reflectance(format!("{place}.tint"), glass.tint)?;
             absorption(glass.absorption.as_ref(), &place)
         }
-        MaterialKind::Principled(p) => principled(p, &format!("{place}.principled")),
+        MaterialKind::Principled(p) => principled(p, images, &format!("{place}.principled")),
     }
 }
 
-fn principled(p: &Principled, place: &str) -> Check {
+fn principled(p: &Principled, images: usize, place: &str) -> Check {
     reflectance(format!("{place}.base_color"), p.base_color)?;
     fraction(format!("{place}.metallic"), p.metallic)?;
     fraction(format!("{place}.roughness"), p.roughness)?;
@@ -167,7 +169,19 @@ fn principled(p: &Principled, place: &str) -> Check {
     fraction(format!("{place}.transmission"), p.transmission)?;
     reflectance(format!("{place}.transmission_tint"), p.transmission_tint)?;
     absorption(p.absorption.as_ref(), place)?;
-    emitted(format!("{place}.emission"), p.emission)
+    emitted(format!("{place}.emission"), p.emission)?;
+    fraction(format!("{place}.coat"), p.coat)?;
+    fraction(format!("{place}.coat_roughness"), p.coat_roughness)?;
+    let coat_ior = p.coat_ior;
+    in_range(
+        format!("{place}.coat_ior"),
+        coat_ior.into(),
+        coat_ior >= 1.0 && coat_ior.is_finite(),
+        "at least 1",
+    )?;
+    reflectance(format!("{place}.sheen_color"), p.sheen_color)?;
+    fraction(format!("{place}.sheen_roughness"), p.sheen_roughness)?;
+    pictures::textures(p, images, place)
 }
 
 fn absorption(a: Option<&Absorption>, place: &str) -> Check {

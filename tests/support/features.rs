@@ -43,8 +43,12 @@ pub(crate) fn dark_stage() -> Scene {
 pub(crate) fn stage() -> Scene {
     let mut scene = dark_stage();
     scene.sphere(DVec3::new(3.5, 5.5, 3.0), 3.0, emitter(2.0));
-    scene.environment =
-        Some(Environment { name: "sky".into(), radiance: Rgb::new(0.3, 0.4, 0.6), visible_to_camera: true });
+    scene.environment = Some(Environment {
+        name: "sky".into(),
+        radiance: Rgb::new(0.3, 0.4, 0.6),
+        image: None,
+        visible_to_camera: true,
+    });
     scene
 }
 

@@ -103,6 +103,7 @@ pub(super) fn convert(doc: &Document, index: usize, notes: &mut Notes) -> Materi
         thin: !solid && transmission > 0.0,
         absorption,
         emission,
+        ..Principled::default()
     };
     if extensions.unlit.is_some() {
         let message = "an unlit material is rendered as a black one that emits its base colour";

@@ -210,6 +210,7 @@ mod tests {
             environment: Some(Environment {
                 name: "sky".into(),
                 radiance: Rgb::new(0.2, 0.4, 0.8),
+                image: None,
                 visible_to_camera: true,
             }),
             ..Scene::default()

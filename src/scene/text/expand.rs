@@ -97,6 +97,7 @@ pub(super) fn expand(document: Document) -> Result<(Scene, Origins), Fault> {
     builder.scene.environment = document.environment.map(|e| Environment {
         name: e.name.unwrap_or_else(|| "environment".to_owned()),
         radiance: e.radiance.0,
+        image: None,
         visible_to_camera: e.visible_to_camera.unwrap_or(true),
     });
     Ok((builder.scene, builder.origins))
@@ -381,6 +382,7 @@ fn principled_of(p: &PrincipledTable) -> Principled {
         thin: p.thin.unwrap_or(default.thin),
         absorption: p.absorption.as_ref().map(absorption_of),
         emission: p.emission.map_or(default.emission, |c| c.0),
+        ..default
     }
 }
 

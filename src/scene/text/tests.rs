@@ -138,6 +138,7 @@ fn material_kind() -> impl Strategy<Value = MaterialKind> {
                 thin: b.3,
                 absorption: b.4,
                 emission: b.5,
+                ..Principled::default()
             }))
         });
     prop_oneof![
@@ -275,9 +276,10 @@ prop_compose! {
             cameras: cameras.into_iter().enumerate()
                 .map(|(i, c)| Camera { name: numbered(i, &c.name), ..c }).collect(),
             environment: environment.map(|(name, radiance, visible_to_camera)| {
-                Environment { name, radiance, visible_to_camera }
+                Environment { name, radiance, image: None, visible_to_camera }
             }),
             settings,
+            ..Scene::default()
         }
     }
 }

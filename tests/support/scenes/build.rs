@@ -58,7 +58,12 @@ pub(crate) fn principled(change: impl FnOnce(&mut Principled)) -> MaterialKind {
 
 /// The same radiance from everywhere.
 pub(crate) fn sky(radiance: f32) -> Option<Environment> {
-    Some(Environment { name: "sky".into(), radiance: Rgb::grey(radiance), visible_to_camera: true })
+    Some(Environment {
+        name: "sky".into(),
+        radiance: Rgb::grey(radiance),
+        image: None,
+        visible_to_camera: true,
+    })
 }
 
 /// Rotation whose local +Z is the unit vector `z`, at `position`.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::scene::{Note, NoteEffect};
+use super::{Note, NoteEffect};
 
 /// Notes in order of first appearance; ten thousand equal ones become one with a count.
 #[derive(Default)]
