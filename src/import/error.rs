@@ -91,6 +91,16 @@ impl Fault {
         }
     }
 
+    /// What is wrong, as a clause, for whoever says the place in a way of their own.
+    pub(crate) fn clause(&self) -> String {
+        match self {
+            Self::File { path, reason } => format!("{}: {reason}", path.display()),
+            Self::Invalid { found, expected, .. } => format!("found {found}, expected {expected}"),
+            Self::Text { error, .. } => error.to_string(),
+            Self::Unsupported { feature, help, .. } => format!("{feature} is not supported; {help}"),
+        }
+    }
+
     /// Names the file.
     pub(crate) fn at(self, file: &Path) -> ImportError {
         match self {
