@@ -114,6 +114,11 @@ impl<'d> Textures<'d> {
             notes.add("texture-missing", NoteEffect::Missing, place, message);
             return Ok(None);
         }
+        if sampler.is_some_and(is_odd) {
+            let message = "an unknown mode: the picture repeats, and is filtered linearly";
+            let place = format!("textures[{}].sampler", info.index);
+            notes.add("sampler-repaired", NoteEffect::Differs, place, message);
+        }
         let mut clamp = |key: &str, v: f32| {
             if v.abs() <= MAX_UV {
                 return v;
@@ -123,11 +128,6 @@ impl<'d> Textures<'d> {
             notes.add("value-clamped", NoteEffect::Differs, place, format!("{v:?}: taken as {good:?}"));
             good
         };
-        if sampler.is_some_and(is_odd) {
-            let message = "an unknown mode: the picture repeats, and is filtered linearly";
-            let place = format!("textures[{}].sampler", info.index);
-            notes.add("sampler-repaired", NoteEffect::Differs, place, message);
-        }
         let transform = &info.transform;
         Ok(Some(Texture {
             image,
