@@ -102,6 +102,8 @@ impl Panorama {
             (0..w).map(|x| spread(own[(x + w - 1) % w], own[x], own[(x + 1) % w])).collect()
         };
         let angle = |i: usize, n: usize| PI * i as f64 / n as f64;
+        // What a texel's width leaves of the sum of its directions.
+        let narrowing = libm::sin(angle(1, w)) / angle(1, w);
         let (mut total, mut flow) = (0.0, [0.0f64; 3]);
         // The lines above, at and below the current row of texels.
         let first = line(0);
@@ -116,7 +118,7 @@ impl Panorama {
                     let (top, bottom) = (libm::cos(angle(y, h)), libm::cos(angle(y + 1, h)));
                     let solid = TAU / w as f64 * (top - bottom);
                     let z = 0.5 * (top + bottom);
-                    let r = (1.0 - z * z).sqrt();
+                    let r = narrowing * (1.0 - z * z).sqrt();
                     for x in 0..w {
                         let weight = spread(lines[0][x], lines[1][x], lines[2][x]) * solid;
                         out[x / side] += weight;

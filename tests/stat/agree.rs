@@ -85,7 +85,7 @@ fn layers() {
 /// Guards pictures as environments: their lookup, and that what is sampled has the density it says.
 #[test]
 fn panoramas() {
-    check_all(features::panoramas(), [512, 3000], |name| if name.contains("sun") { 0.15 } else { 0.05 });
+    check_all(features::panoramas(), [1024, 8000], |name| if name.contains("sun") { 0.15 } else { 0.05 });
 }
 
 /// Guards every kind of light, its falloff, its front and its visibility.
