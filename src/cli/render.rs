@@ -34,7 +34,7 @@ pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) 
     let loaded = load::load(&args.scene)?;
     let job = Job::from_args(args, &loaded.scene, outputs)?;
     if args.strict {
-        notes::refuse(&loaded.notes)?;
+        notes::refuse(&loaded.notes, "without --strict the scene is rendered as far as it is understood")?;
     }
     job.run(loaded, begin, arguments, console)
 }
