@@ -227,8 +227,8 @@ pub(super) struct InfoArgs {
 What is written:
   .toml  epsilux's own form: everything, for people
   .json  the same, for programs
-  .obj   triangles; NAME.mtl with the materials as far as it can hold them, and NAME.epsilux.toml with
-         what OBJ cannot say: cameras, lights, spheres, environment, other materials
+  .obj   triangles; NAME.mtl with the materials as far as MTL goes, and NAME.epsilux.toml
+         with all the rest: cameras, lights, spheres, environment, other materials
 
 Examples:
   epsilux convert scenes/hexroom.toml room.json

@@ -58,22 +58,32 @@ fn unknown_suffix(out: &Path) -> Failure {
     Failure::usage(format!("{}: found {found}, expected a name that ends in {expected}", out.display()))
 }
 
-/// Refuses to replace the scene that is read, or a picture of it by another one.
+/// Refuses to replace the scene that is read, a picture of it by another one, or a file that belongs to
+/// neither: files beside OUT are OUT's own only where OUT is there already.
 fn keep_the_input(input: &Path, scene: &Scene, files: &[OutFile], folder: &Path) -> Result<(), Failure> {
     let real = |path: PathBuf| path.canonicalize().ok();
     let scene_file = real(input.to_path_buf());
     let pictures = scene.images.iter().filter_map(|i| i.file.as_ref());
     let pictures: Vec<PathBuf> = pictures.filter_map(|f| real(folder_of(input).join(f))).collect();
-    for file in files {
+    let is_new = files.last().is_some_and(|own| !folder.join(&own.path).exists());
+    for (i, file) in files.iter().enumerate() {
         let path = folder.join(&file.path);
         let Some(target) = real(path.clone()) else { continue };
         if scene_file.as_ref() == Some(&target) {
             let message = format!("{}: this would replace the scene that is read", path.display());
             return Err(Failure::usage(message).help("choose another name"));
         }
-        if pictures.contains(&target) && std::fs::read(&target).ok().as_ref() != Some(&file.bytes) {
+        let is_beside = i + 1 < files.len();
+        if !is_beside || std::fs::read(&target).is_ok_and(|bytes| bytes == file.bytes) {
+            continue;
+        }
+        if pictures.contains(&target) {
             let message = format!("{}: this would replace a picture of the scene by another", path.display());
             return Err(Failure::usage(message).help("choose another folder"));
+        }
+        if is_new {
+            let message = format!("{}: is there already, and belongs to something else", path.display());
+            return Err(Failure::usage(message).help("choose another name, or remove it"));
         }
     }
     Ok(())

@@ -85,6 +85,22 @@ impl Fault {
         }
     }
 
+    /// What is wrong, as part of a note; files are named from `folder`.
+    pub(crate) fn reason(&self, folder: &Path) -> String {
+        match self {
+            Self::File { path, reason } => {
+                format!("{}: {reason}", path.strip_prefix(folder).unwrap_or(path).display())
+            }
+            Self::Invalid { place, found, expected } => {
+                format!("{place}: found {found}, expected {expected}")
+            }
+            Self::Text { error, .. } => error.to_string(),
+            Self::Unsupported { place, feature, help } => {
+                format!("{place}: {feature} is not supported; {help}")
+            }
+        }
+    }
+
     /// Names the file.
     pub(crate) fn at(self, file: &Path) -> ImportError {
         match self {

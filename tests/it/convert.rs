@@ -70,6 +70,7 @@ fn what_cannot_be_converted_is_refused() {
     let clear = TEXTURED.replace("uvs =", "colors = [[1, 1, 1, 0.5], [1, 1, 1, 1], [1, 1, 1, 1]], uvs =");
     folder.write("clear.toml", clear);
     folder.write("copy.epsilux.toml", TEXTURED);
+    folder.write("taken.mtl", "# by hand");
     folder.write("missing.toml", TEXTURED.replace("wood.png", "oak.png"));
     // Its own picture lies where the picture of another one would go.
     std::fs::create_dir(folder.path("odd.images")).unwrap();
@@ -93,6 +94,7 @@ fn what_cannot_be_converted_is_refused() {
         ("convert room.toml ./room.toml", 2),
         ("convert copy.epsilux.toml copy.obj", 2),
         ("convert odd.toml odd.json", 2),
+        ("convert textured.toml taken.obj", 2),
         ("convert nothing.toml room.json", 4),
         ("convert missing.toml room.json", 4),
         ("convert clear.toml clear.obj --strict", 5),

@@ -40,14 +40,16 @@ pub(super) fn encode(scene: &Scene, name: &str) -> Result<Encoded, ExportError> 
     for (i, material) in scene.materials.iter().enumerate().filter(|(i, _)| used[*i]) {
         beside[i] = !library.add(&materials[i], material);
         if beside[i] {
-            let message = "MTL has no words for all of the material: the sidecar has it, other programs see \
-                           something near it";
+            let message = format!(
+                "MTL has no words for all of the material: {stem}.epsilux.toml has it, other programs see \
+                 something near it"
+            );
             notes.add("material-in-sidecar", NoteEffect::None, format!("materials[{i}]"), message);
         }
     }
     let library = library.text;
     let geometry = geometry(scene, &materials, &format!("{stem}.mtl"), &mut notes);
-    let sidecar = sidecar(scene, &materials, &beside, found.paths, &mut notes);
+    let sidecar = sidecar(scene, stem, &materials, &beside, found.paths, &mut notes);
 
     let mut files = found.files;
     let mut add = |path: String, text: String| files.push(OutFile { path, bytes: text.into_bytes() });
@@ -276,6 +278,7 @@ fn lost(scene: &Scene, object: &Object, mesh: &Mesh, place: &str, notes: &mut No
 /// marked in `beside`.
 fn sidecar(
     scene: &Scene,
+    stem: &str,
     names: &[String],
     beside: &[bool],
     paths: Vec<String>,
@@ -325,7 +328,7 @@ fn sidecar(
     hold(usize::from(scene.environment.is_some()), "environment", "");
     if !held.is_empty() {
         let message = format!(
-            "OBJ cannot hold {}: the sidecar NAME.epsilux.toml has them, and other programs do not see them",
+            "OBJ cannot hold {}: {stem}.epsilux.toml has what it cannot, other programs do not see it",
             held.join(", ")
         );
         notes.add("in-sidecar", NoteEffect::None, "", message);
