@@ -12,6 +12,9 @@ pub mod scene_format {}
 #[doc = include_str!("from-blender.md")]
 pub mod from_blender {}
 
+#[doc = include_str!("from-obj.md")]
+pub mod from_obj {}
+
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
@@ -21,10 +24,11 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 5] = [
+    const PAGES: [(&str, &str); 6] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
+        ("from-obj.md", include_str!("from-obj.md")),
         ("numbers.md", include_str!("numbers.md")),
         ("README.md", include_str!("../../README.md")),
     ];
@@ -110,6 +114,12 @@ mod tests {
             include_str!("../import/gltf/mesh.rs"),
             include_str!("../import/gltf/mod.rs"),
             include_str!("../import/gltf/node.rs"),
+            include_str!("../import/obj/clean.rs"),
+            include_str!("../import/obj/material.rs"),
+            include_str!("../import/obj/mod.rs"),
+            include_str!("../import/obj/parse.rs"),
+            include_str!("../import/obj/sidecar.rs"),
+            include_str!("../import/obj/texture.rs"),
             include_str!("../scene/defaults.rs"),
         ];
         let mut count = 0;
