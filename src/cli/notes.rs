@@ -48,6 +48,9 @@ pub(super) fn show(notes: &[Note], verbose: bool, console: &Console) {
     }
 }
 
+/// What a render does with a scene that `--strict` refuses.
+pub(super) const RENDERED: &str = "without --strict the scene is rendered as far as it is understood";
+
 /// Refuses a scene with notes that concern the picture.
 ///
 /// `help` says what happens without `--strict`.
