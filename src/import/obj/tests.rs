@@ -4,6 +4,7 @@ mod area;
 mod geometry;
 mod hostile;
 mod materials;
+mod sidecar;
 
 use std::fs;
 use std::path::Path;
