@@ -83,13 +83,7 @@ impl Fault {
             Self::File { path, reason } => {
                 format!("{}: {reason}", path.strip_prefix(folder).unwrap_or(path).display())
             }
-            Self::Invalid { place, found, expected } => {
-                format!("{place}: found {found}, expected {expected}")
-            }
-            Self::Text { error, .. } => error.to_string(),
-            Self::Unsupported { place, feature, help } => {
-                format!("{place}: {feature} is not supported; {help}")
-            }
+            other => other.clause(),
         }
     }
 
