@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::fold::Folded;
 use super::geometry::Flat;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -12,10 +13,10 @@ use crate::scene::{AreaShape, Light, LightKind, Scene, Sides, SpotFalloff};
 
 /// Everything that emits, in the order of objects, lights, environment; the primitives of an object are
 /// one group.
-pub(super) fn collect(scene: &Scene, flat: &Flat) -> Vec<Vec<Emitter>> {
+pub(super) fn collect(scene: &Scene, folded: &Folded<'_>, flat: &Flat) -> Vec<Vec<Emitter>> {
     let mut groups = Vec::new();
     for (object, range) in scene.objects.iter().zip(&flat.range) {
-        let emission = scene.materials[object.material.0 as usize].kind.emission();
+        let emission = folded.kinds[object.material.0 as usize].emission();
         if let (Some((radiance, sides)), &Some((first, count))) = (emission, range) {
             let mut emitters = Vec::new();
             surfaces(flat, first, count, radiance, sides == Sides::Both, &mut emitters);

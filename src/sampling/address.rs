@@ -20,6 +20,8 @@ pub enum Purpose {
     Bsdf = 2,
     /// Everything that tests draw.
     Test = 3,
+    /// Whether a surface is there where it is partly transparent (one number); k counts what was passed.
+    Alpha = 4,
 }
 
 /// Where in the computation a sample is: a pure function of (seed, pixel, replication, index).
