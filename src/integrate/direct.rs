@@ -80,7 +80,11 @@ fn emitted_share(scene: &Prepared, light: &LightSample) -> Rgb {
     };
     let hit = scene.hit_at(light.target, ray.at(ray.t_max));
     let detail = scene.detail(object, &hit);
-    let texel = material.emission.as_ref().map_or(Rgb::WHITE, |t| t.rgb(&detail.uv));
+    let nominal = scene.lights.of_surface(light.target).map(|id| scene.lights.nominal(id));
+    let texel = match (&material.emission, nominal) {
+        (Some(glow), Some(nominal)) => glow.share(nominal, &detail.uv),
+        _ => Rgb::WHITE,
+    };
     texel * material.cutout.as_ref().map_or(1.0, |c| c.coverage(&detail))
 }
 

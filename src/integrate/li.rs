@@ -139,9 +139,9 @@ fn step<const FX: u32>(
     {
         let mut le = scene.lights.emitted(light, wo, surface.ng);
         if fx.has(Effect::Textures)
-            && let Some(texture) = &prepared.emission
+            && let Some(glow) = &prepared.emission
         {
-            le *= texture.rgb(&detail.uv);
+            le = glow.radiance(&detail.uv);
         }
         let weight = match &path.sampled {
             None => 1.0,

@@ -1,10 +1,13 @@
 //! Albedos of rough lobes: rows for constant materials, and tables over the parameters that textures vary.
 //!
 //! A table holds what [`crate::bsdf::tables`] computes at nodes of roughness and of the square root of F0,
-//! and is interpolated linearly over both and over the root of the cosine. The tests bound its error.
+//! and is interpolated linearly over both and over the cosine. Its rows are computed in parallel, each alone,
+//! so that threads change nothing. The tests bound its error.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+use rayon::prelude::*;
 
 use crate::bsdf::fresnel::dielectric;
 use crate::bsdf::tables::{self, Albedo, AlbedoRow};
@@ -58,10 +61,10 @@ impl Albedos for Rows {
     }
 }
 
-/// Intervals of a table over the root of the cosine.
-const COSINES: usize = 48;
-/// Intervals over roughness, and over the root of F0.
-const ROUGHNESSES: usize = 20;
+/// Intervals of a table over the cosine, as [`place_of_cosine`] has it.
+const COSINES: usize = 112;
+/// Intervals over the root of roughness, and over the root of F0.
+const ROUGHNESSES: usize = 32;
 const REFLECTANCES: usize = 10;
 /// The smallest roughness that is not smooth.
 const LEAST: f32 = 0.01;
@@ -98,33 +101,66 @@ impl Axis {
 /// Albedos over roughness and cosine.
 #[derive(Debug)]
 struct Table {
+    /// Nodes of the root of roughness.
     roughness: Axis,
-    /// A row of cosines for each roughness.
+    /// A row of cosines for each node.
     values: Vec<f32>,
     /// The average of each row.
     averages: Vec<f32>,
 }
 
+/// Where the cosine `mu` stands in a row of width `alpha`, [0, 1]. Half of the way goes with the root of the
+/// cosine, half with the cosine in units of the width, by which narrow lobes are alike near grazing.
+#[inline]
+fn place_of_cosine(mu: f32, alpha: f32) -> f32 {
+    0.5 * (mu.sqrt() + mu * (1.0 + alpha) / (mu + alpha))
+}
+
+/// The cosine that stands at `place`, by bisection.
+fn cosine_at(place: f32, alpha: f32) -> f32 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if place_of_cosine(middle, alpha) < place { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// The roughness at a node: dense where lobes are narrow.
+fn roughness_at(node: f32) -> f32 {
+    LEAST + (1.0 - LEAST) * node * node
+}
+
 impl Table {
-    fn new(roughness: Axis, albedo: impl Fn(f32, f32) -> f32) -> Self {
-        let (mut values, mut averages) = (Vec::new(), Vec::new());
-        for r in roughness.nodes() {
-            let row: Vec<f32> = (0..=COSINES)
-                .map(|i| {
-                    let x = i.max(1) as f32 / COSINES as f32;
-                    albedo(x * x, r * r)
-                })
-                .collect();
-            averages.push(average(&row));
-            values.extend(row);
-        }
-        Self { roughness, values, averages }
+    fn new(roughness: Axis, albedo: impl Fn(f32, f32) -> f32 + Sync) -> Self {
+        let rows: Vec<(Vec<f32>, f32)> = roughness
+            .nodes()
+            .collect::<Vec<f32>>()
+            .into_par_iter()
+            .map(|node| {
+                let r = roughness_at(node);
+                let alpha = r * r;
+                let cosine = |i: f32| cosine_at(i / COSINES as f32, alpha);
+                // At mu = 0 the lobe degenerates.
+                let row = (0..=COSINES).map(|i| albedo(cosine((i as f32).max(0.5)), alpha));
+                let row: Vec<f32> = row.collect();
+                let points = (0..=COSINES).map(|i| (f64::from(cosine(i as f32)), f64::from(row[i])));
+                let average = average(&points.collect::<Vec<_>>());
+                (row, average)
+            })
+            .collect();
+        let averages = rows.iter().map(|(_, average)| *average).collect();
+        Self { roughness, values: rows.into_iter().flat_map(|(row, _)| row).collect(), averages }
     }
 
+    /// The albedo and its average at a width and a cosine.
     #[inline]
-    fn at(&self, roughness: f32, x: f32) -> (f32, f32) {
-        let (i, t) = self.roughness.place(roughness);
-        let (k, s) = cosines().place(x);
+    fn at(&self, alpha: f32, mu: f32) -> (f32, f32) {
+        let node = ((alpha.sqrt() - LEAST) / (1.0 - LEAST)).max(0.0).sqrt();
+        let (i, t) = self.roughness.place(node);
+        let place = (place_of_cosine(mu, alpha) * COSINES as f32).min(COSINES as f32);
+        let k = (place as usize).min(COSINES - 1);
+        let s = place - k as f32;
         let row = |i: usize| {
             let at = i * (COSINES + 1) + k;
             self.values[at] * (1.0 - s) + self.values[at + 1] * s
@@ -137,25 +173,13 @@ impl Table {
     }
 }
 
-fn cosines() -> Axis {
-    Axis { from: 0.0, to: 1.0, intervals: COSINES }
-}
-
-/// 2 int E mu dmu with mu = x^2, by Simpson's rule.
-fn average(row: &[f32]) -> f32 {
-    let n = row.len() - 1;
-    let term = |(i, &e): (usize, &f32)| {
-        let x = i as f64 / n as f64;
-        let weight = if i == 0 || i == n {
-            1.0
-        } else if i % 2 == 1 {
-            4.0
-        } else {
-            2.0
-        };
-        weight * 4.0 * f64::from(e) * x * x * x
+/// 2 int E mu dmu of what is linear between points.
+fn average(points: &[(f64, f64)]) -> f32 {
+    let segment = |w: &[(f64, f64)]| {
+        let ((x0, y0), (x1, y1)) = (w[0], w[1]);
+        (x1 - x0) / 3.0 * (y0 * (2.0 * x0 + x1) + y1 * (x0 + 2.0 * x1))
     };
-    (row.iter().enumerate().map(term).sum::<f64>() / (3.0 * n as f64)) as f32
+    points.windows(2).map(segment).sum::<f64>() as f32
 }
 
 /// What a material's textures vary, and between which bounds: the key of its tables.
@@ -191,8 +215,11 @@ pub(super) struct Tables {
 impl Tables {
     fn new(span: Span) -> Self {
         let roughness = match span.roughness.map(f32::from_bits) {
-            Some(r) => Axis { from: r.max(LEAST), to: r.max(LEAST), intervals: 0 },
-            None => Axis { from: LEAST, to: 1.0, intervals: ROUGHNESSES },
+            Some(r) => {
+                let node = ((r - LEAST) / (1.0 - LEAST)).max(0.0).sqrt();
+                Axis { from: node, to: node, intervals: 0 }
+            }
+            None => Axis { from: 0.0, to: 1.0, intervals: ROUGHNESSES },
         };
         let [from, to] = span.root.map(f32::from_bits);
         let root = Axis { from, to, intervals: if from == to { 0 } else { REFLECTANCES } };
@@ -231,14 +258,14 @@ impl AllTables {
 /// Tables read at the cosine of one hit.
 pub(super) struct AtHit<'a> {
     pub(super) tables: &'a Tables,
-    /// Root of the cosine between the viewing direction and the shading normal.
-    pub(super) x: f32,
+    /// Cosine between the viewing direction and the shading normal, [0, 1].
+    pub(super) mu: f32,
 }
 
 impl AtHit<'_> {
     #[inline]
     fn read(&self, table: &Table, alpha: f32) -> Albedo {
-        let (at, average) = table.at(alpha.sqrt(), self.x);
+        let (at, average) = table.at(alpha, self.mu);
         Albedo::Value { at, average }
     }
 }
@@ -258,9 +285,9 @@ impl Albedos for AtHit<'_> {
     fn grazing(&mut self, alpha: f32, _: f32, f0: f32) -> Albedo {
         let (i, t) = self.tables.root.place(f0.sqrt());
         let Some(low) = self.tables.grazing.get(i) else { return Albedo::Value { at: 0.0, average: 0.0 } };
-        let (mut at, mut average) = low.at(alpha.sqrt(), self.x);
+        let (mut at, mut average) = low.at(alpha, self.mu);
         if let Some(high) = self.tables.grazing.get(i + 1).filter(|_| t > 0.0) {
-            let (b, c) = high.at(alpha.sqrt(), self.x);
+            let (b, c) = high.at(alpha, self.mu);
             (at, average) = (at * (1.0 - t) + b * t, average * (1.0 - t) + c * t);
         }
         Albedo::Value { at, average }
@@ -288,7 +315,7 @@ mod tests {
         for roughness in [0.012, 0.037, 0.09, 0.16, 0.33, 0.52, 0.78, 0.96f32] {
             let alpha = roughness * roughness;
             for mu in [0.004, 0.02, 0.08, 0.15, 0.4, 0.77, 0.98, 1.0f32] {
-                let mut hit = AtHit { tables: &tables, x: mu.sqrt() };
+                let mut hit = AtHit { tables: &tables, mu };
                 let off = |a: &Albedo, b: &Albedo| (a.at(mu) - b.at(mu)).abs();
                 let mut note = |i: usize, off: f32| worst[i] = worst[i].max(off);
                 let (white, exact) = (hit.white(alpha), rows.white(alpha));

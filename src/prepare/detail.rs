@@ -127,6 +127,11 @@ impl Details {
         Some((attributes, laid, (id.primitive - laid.first) as usize, [1.0 - b1 - b2, b1, b2]))
     }
 
+    /// Texture coordinates of the corners of a primitive.
+    pub(super) fn corners(&self, object: u32, id: PrimitiveId) -> [Coordinates; 3] {
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|b| self.at(object, id, b).uv)
+    }
+
     /// The values at a hit.
     #[inline]
     pub(super) fn at(&self, object: u32, id: PrimitiveId, b: [f32; 2]) -> Detail {

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::albedo::{Albedos, AllTables, Rows};
 use super::cutout::Cutout;
 use super::fold::{Folded, Uses};
+use super::glow::Glow;
 use super::normal::NormalMap;
 use super::texture::Sampler;
 use super::varying::Varying;
@@ -37,8 +38,8 @@ pub struct PreparedMaterial {
     pub(crate) cutout: Option<Box<Cutout>>,
     /// Normals from a texture.
     pub(crate) normal: Option<Box<NormalMap>>,
-    /// A factor on what is emitted.
-    pub(crate) emission: Option<Box<Sampler>>,
+    /// What is emitted where a picture varies it.
+    pub(crate) emission: Option<Box<Glow>>,
 }
 
 /// The numbers and colours of a principled material at one point of it.
@@ -153,7 +154,8 @@ impl Compiler<'_> {
                 let varies = varies(p, colored);
                 let read =
                     |t: &scene::Texture, encoded| Sampler::new(t, &pixels(self.scene, t.image), encoded);
-                let emission = p.textures.emission.as_ref().map(|t| Box::new(read(t, true)));
+                let emission =
+                    p.textures.emission.as_ref().map(|t| Box::new(Glow::new(read(t, true), p.emission)));
                 let normal = p.textures.normal.as_ref();
                 let normal = normal.map(|n| Box::new(NormalMap::new(n, read(&n.texture, false))));
                 // Where everything is compiled at the hit, nothing needs to be compiled here.

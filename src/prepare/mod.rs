@@ -14,6 +14,7 @@ mod cutout;
 mod detail;
 mod fold;
 mod geometry;
+mod glow;
 mod lights;
 mod material;
 mod normal;
@@ -146,7 +147,7 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
     let materials = material::compile(scene, &folded);
     let flat = geometry::flatten(scene, &folded);
     let details = detail::Details::new(scene, &folded, &flat);
-    let lights = lights::collect(scene, &folded, &flat);
+    let lights = lights::collect(scene, &folded, &flat, &details, &materials);
     let lengths = FixedPoint::around(flat.reach(camera) as f32);
     let radiance_format =
         FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));

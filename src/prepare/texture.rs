@@ -114,6 +114,36 @@ impl Sampler {
         self.uv_set
     }
 
+    /// Width and height of the picture, texels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        [self.pixels.width, self.pixels.height]
+    }
+
+    /// A texel, decoded.
+    pub(super) fn texel(&self, x: u32, y: u32) -> [f32; 4] {
+        let at = y as usize * self.pixels.width as usize + x as usize;
+        texel(&self.pixels.texels, &self.decode, at)
+    }
+
+    /// The texel along an axis that stands for number `i` of it.
+    pub(super) fn index(&self, axis: usize, i: i64) -> u32 {
+        index(i, self.size()[axis], self.wrap[axis])
+    }
+
+    /// Where the corners of a triangle lie in the picture, in texels: lowest and highest.
+    pub(super) fn bounds(&self, corners: &[Coordinates; 3]) -> ([f64; 2], [f64; 2]) {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for at in corners {
+            let [u, v] = at[self.uv_set];
+            for axis in 0..2 {
+                let [a, b, c] = self.transform[axis];
+                let x = (a * u + b * v + c) * f64::from(self.size()[axis]);
+                (low[axis], high[axis]) = (low[axis].min(x), high[axis].max(x));
+            }
+        }
+        (low, high)
+    }
+
     /// Red, green, blue and alpha at a point.
     #[inline]
     pub(crate) fn rgba(&self, at: &Coordinates) -> [f32; 4] {

@@ -124,7 +124,7 @@ impl Varying {
             },
             ..*n
         };
-        Bsdf::Principled(lobes(&p, &mut AtHit { tables, x: mu.clamp(0.0, 1.0).sqrt() }))
+        Bsdf::Principled(lobes(&p, &mut AtHit { tables, mu: mu.clamp(0.0, 1.0) }))
     }
 }
 

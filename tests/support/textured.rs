@@ -114,7 +114,7 @@ fn lays() -> Vec<(String, Scene)> {
     });
     list.push(("base colour of sixteen bits".into(), shorts));
     let mut bare = textured(4, |p, t| p.textures.base_color = Some(t));
-    bare.sphere(DVec3::new(1.4, 0.4, 0.6), 0.4, bare.materials[3].kind.clone());
+    bare.sphere(DVec3::new(1.4, 0.4, 0.6), 0.4, bare.materials[2].kind.clone());
     bare.meshes[1].uvs[0].clear();
     list.push(("base colour where there are no coordinates".into(), bare));
     list
@@ -345,7 +345,7 @@ pub(crate) fn emissive() -> Vec<(String, Scene)> {
     };
     let bytes = || Texels::Byte(noise(40, 20));
     let lamp = |scene: &mut Scene, kind| {
-        scene.quad(DVec3::new(0.3, 3.2, 0.6), 3.0 * DVec3::X, 2.5 * DVec3::new(0.1, 0.2, 1.0), kind);
+        scene.quad(DVec3::new(0.3, 3.2, 0.6), 6.0 * DVec3::X, 5.0 * DVec3::new(0.0, 0.2, 1.0), kind);
         if let Some(mesh) = scene.meshes.last_mut() {
             mesh.uvs[0] = [[0.1, 0.2], [1.3, 0.1], [1.2, 0.9], [-0.1, 1.4]].map(Vec2::from).to_vec();
         }
