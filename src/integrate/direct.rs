@@ -6,7 +6,7 @@ use crate::accel::PrimitiveId;
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
 use crate::light::{LightContext, LightSample};
-use crate::prepare::{Effect, Effects, Prepared};
+use crate::prepare::{Detail, Effect, Effects, Prepared};
 use crate::shape::{Ray, offset_origin};
 
 /// The share of a sample found with density `own` where the other way would have found it with density
@@ -44,8 +44,10 @@ pub(super) fn direct_light<const FX: u32>(
     let weight = if light.delta { 1.0 } else { mis_weight(light.pdf, pdf) };
     let cos = light.wi.dot(frame.ns()).abs();
     let mut ld = f * light.weight * (cos * weight);
-    if const { Effects(FX).has(Effect::Textures) || Effects(FX).has(Effect::Cutouts) }
-        && light.target != PrimitiveId::NONE
+    if const {
+        let fx = Effects(FX);
+        fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy)
+    } && light.target != PrimitiveId::NONE
     {
         ld *= emitted_share(scene, &light);
     }
@@ -70,14 +72,15 @@ pub(super) fn direct_light<const FX: u32>(
     ld
 }
 
-/// The factor on a sampled light that is a surface: the texel of its emission where the ray ends, and the
-/// share of the surface that is there.
+/// The factor on a sampled light that is a surface: the texel of its emission where the ray ends, the share
+/// of the surface that is there, and what layers on it leave.
 #[inline]
 fn emitted_share(scene: &Prepared, light: &LightSample) -> Rgb {
+    let (material, object) = scene.material_at(light.target);
+    if !material.detailed {
+        return Rgb::grey(material.emission_scale(&Detail::NONE, light.cos));
+    }
     let ray = &light.shadow_ray;
-    let Some((material, object)) = scene.material_at(light.target).filter(|(m, _)| m.detailed) else {
-        return Rgb::WHITE;
-    };
     let hit = scene.hit_at(light.target, ray.at(ray.t_max));
     let detail = scene.detail(object, &hit);
     let nominal = scene.lights.of_surface(light.target).map(|id| scene.lights.nominal(id));
@@ -85,7 +88,8 @@ fn emitted_share(scene: &Prepared, light: &LightSample) -> Rgb {
         (Some(glow), Some(nominal)) => glow.share(nominal, &detail.uv),
         _ => Rgb::WHITE,
     };
-    texel * material.cutout.as_ref().map_or(1.0, |c| c.coverage(&detail))
+    let there = material.cutout.as_ref().map_or(1.0, |c| c.coverage(&detail));
+    texel * (there * material.emission_scale(&detail, light.cos))
 }
 
 /// The share of light that passes everything that is in the way of a shadow ray.

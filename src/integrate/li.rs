@@ -143,6 +143,9 @@ fn step<const FX: u32>(
         {
             le = glow.radiance(&detail.uv);
         }
+        if fx.has(Effect::Glossy) {
+            le *= prepared.emission_scale(&detail, wo.dot(surface.ng).abs());
+        }
         let weight = match &path.sampled {
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),

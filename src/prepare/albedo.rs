@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::bsdf::Charlie;
 use crate::bsdf::fresnel::dielectric;
 use crate::bsdf::tables::{self, Albedo, AlbedoRow};
 
@@ -22,6 +23,10 @@ pub(super) trait Albedos {
     fn grazing(&mut self, alpha: f32, eta: f32, f0: f32) -> Albedo;
     /// The average of that share over the hemisphere.
     fn grazing_average(&mut self, eta: f32, f0: f32) -> f32;
+    /// Of a coat of index `ior`.
+    fn coat(&mut self, alpha: f32, ior: f32) -> Albedo;
+    /// Of white sheen.
+    fn sheen(&mut self, roughness: f32) -> Albedo;
 }
 
 /// How far the exact curve has risen from its value at normal incidence, [0, 1].
@@ -58,6 +63,15 @@ impl Albedos for Rows {
 
     fn grazing_average(&mut self, eta: f32, f0: f32) -> f32 {
         AlbedoRow::new(|mu| grazing_share(mu, eta, f0)).average()
+    }
+
+    fn coat(&mut self, alpha: f32, ior: f32) -> Albedo {
+        self.get(3, alpha, ior, |mu| tables::reflected(mu, alpha, |cos| dielectric(cos, ior).0))
+    }
+
+    fn sheen(&mut self, roughness: f32) -> Albedo {
+        let lobe = Charlie::new(roughness);
+        self.get(4, roughness, 0.0, |mu| lobe.albedo(mu))
     }
 }
 
@@ -191,13 +205,33 @@ pub(super) struct Span {
     root: [u32; 2],
     /// Bits of the index where transmission may need it.
     ior: Option<u32>,
+    /// Of the coat: bits of its index, and of its roughness where that is constant.
+    coat: Option<(u32, Option<u32>)>,
+    /// Of the sheen: bits of its roughness where that is constant.
+    sheen: Option<Option<u32>>,
 }
 
 impl Span {
     /// `roughness` is `None` where it varies; the root of F0 lies between the two of `root`.
     pub(super) fn new(roughness: Option<f32>, root: [f32; 2], ior: Option<f32>) -> Self {
         let bits = f32::to_bits;
-        Self { roughness: roughness.map(bits), root: root.map(bits), ior: ior.map(bits) }
+        Self {
+            roughness: roughness.map(bits),
+            root: root.map(bits),
+            ior: ior.map(bits),
+            coat: None,
+            sheen: None,
+        }
+    }
+
+    /// With a coat of this index, and of this roughness where it is constant.
+    pub(super) fn coat(self, ior: f32, roughness: Option<f32>) -> Self {
+        Self { coat: Some((ior.to_bits(), roughness.map(f32::to_bits))), ..self }
+    }
+
+    /// With a sheen, and of this roughness where it is constant.
+    pub(super) fn sheen(self, roughness: Option<f32>) -> Self {
+        Self { sheen: Some(roughness.map(f32::to_bits)), ..self }
     }
 }
 
@@ -210,17 +244,20 @@ pub(super) struct Tables {
     /// One for each node of the root of F0.
     grazing: Vec<Table>,
     grazing_average: Vec<f32>,
+    coat: Option<Table>,
+    sheen: Option<Table>,
 }
 
 impl Tables {
     fn new(span: Span) -> Self {
-        let roughness = match span.roughness.map(f32::from_bits) {
+        let nodes = |roughness: Option<u32>| match roughness.map(f32::from_bits) {
             Some(r) => {
                 let node = ((r - LEAST) / (1.0 - LEAST)).max(0.0).sqrt();
                 Axis { from: node, to: node, intervals: 0 }
             }
             None => Axis { from: 0.0, to: 1.0, intervals: ROUGHNESSES },
         };
+        let roughness = nodes(span.roughness);
         let [from, to] = span.root.map(f32::from_bits);
         let root = Axis { from, to, intervals: if from == to { 0 } else { REFLECTANCES } };
         let of_root = |s: f32| ((1.0 + s) / (1.0 - s), s * s);
@@ -241,6 +278,14 @@ impl Tables {
             root,
             grazing: if to == 0.0 { Vec::new() } else { root.nodes().map(grazing).collect() },
             grazing_average: root.nodes().map(grazing_average).collect(),
+            coat: span.coat.map(|(ior, roughness)| {
+                let ior = f32::from_bits(ior);
+                let reflected = move |mu, alpha| tables::reflected(mu, alpha, |cos| dielectric(cos, ior).0);
+                Table::new(nodes(roughness), reflected)
+            }),
+            sheen: span.sheen.map(|roughness| {
+                Table::new(nodes(roughness), |mu, alpha| Charlie::new(alpha.sqrt()).albedo(mu))
+            }),
         }
     }
 }
@@ -297,6 +342,15 @@ impl Albedos for AtHit<'_> {
         let (i, t) = self.tables.root.place(f0.sqrt());
         let averages = &self.tables.grazing_average;
         averages[i] * (1.0 - t) + averages.get(i + 1).copied().unwrap_or(0.0) * t
+    }
+
+    fn coat(&mut self, alpha: f32, _: f32) -> Albedo {
+        self.read(self.tables.coat.as_ref().unwrap_or(&self.tables.white), alpha)
+    }
+
+    fn sheen(&mut self, roughness: f32) -> Albedo {
+        let table = self.tables.sheen.as_ref().unwrap_or(&self.tables.white);
+        self.read(table, roughness * roughness)
     }
 }
 

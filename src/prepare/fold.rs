@@ -139,6 +139,21 @@ fn principled(p: &Principled, faded: bool, constants: &mut Constants<'_>) -> Pri
         p.specular_color = bounded(p.specular_color * c);
         t.specular_color = None;
     }
+    constants.take_value(&mut t.coat, &mut p.coat);
+    constants.take_value(&mut t.coat_roughness, &mut p.coat_roughness);
+    constants.take_value(&mut t.sheen_roughness, &mut p.sheen_roughness);
+    if let Some(c) = t.sheen_color.as_ref().and_then(|t| constants.color(t)) {
+        p.sheen_color = (p.sheen_color * c).map(unit);
+        t.sheen_color = None;
+    }
+    if p.coat == 0.0 || p.coat_ior == 1.0 {
+        (t.coat, t.coat_roughness) = (None, None);
+    }
+    if p.sheen_color.is_black() {
+        (t.sheen_color, t.sheen_roughness) = (None, None);
+    }
+    // Not rendered: a note of validation says so.
+    t.coat_normal = None;
     if p.specular == 0.0 || p.ior == 1.0 {
         (t.specular, t.specular_color) = (None, None);
     }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::albedo::{Albedos, AllTables, Rows};
 use super::cutout::Cutout;
+use super::detail::Detail;
 use super::fold::{Folded, Uses};
 use super::glow::Glow;
 use super::normal::NormalMap;
@@ -14,7 +15,7 @@ use super::texture::Sampler;
 use super::varying::Varying;
 use crate::bsdf::dielectric::RoughDielectric;
 use crate::bsdf::fresnel::{f0_of_ior, ior_of_f0};
-use crate::bsdf::{Bsdf, Diffuse, Glass, Mirror, Principled, SMOOTH_ALPHA, Specular};
+use crate::bsdf::{Bsdf, Charlie, Coat, Diffuse, Glass, Mirror, Principled, SMOOTH_ALPHA, Sheen, Specular};
 use crate::color::Rgb;
 use crate::math;
 use crate::scene::{self, Absorption, ImageId, MaterialKind, Pixels, Scene};
@@ -54,6 +55,11 @@ pub(super) struct Numbers {
     pub(super) transmission: f32,
     pub(super) transmission_tint: Rgb,
     pub(super) thin: bool,
+    pub(super) coat: f32,
+    pub(super) coat_roughness: f32,
+    pub(super) coat_ior: f32,
+    pub(super) sheen_color: Rgb,
+    pub(super) sheen_roughness: f32,
 }
 
 impl From<&scene::Principled> for Numbers {
@@ -68,6 +74,11 @@ impl From<&scene::Principled> for Numbers {
             transmission: p.transmission,
             transmission_tint: p.transmission_tint,
             thin: p.thin,
+            coat: p.coat,
+            coat_roughness: p.coat_roughness,
+            coat_ior: p.coat_ior,
+            sheen_color: p.sheen_color,
+            sheen_roughness: p.sheen_roughness,
         }
     }
 }
@@ -95,6 +106,20 @@ impl Interior {
         let x = length / self.distance;
         // Lengths without bound leave nothing of what is absorbed at all.
         self.log.map(|l| if l == 0.0 { 1.0 } else { math::exp(l * x) })
+    }
+}
+
+impl PreparedMaterial {
+    /// What layers on top leave of light that the surface emits at the cosine `mu`, [0, 1], to its geometric
+    /// normal; one where there are none.
+    #[inline]
+    #[must_use]
+    pub(crate) fn emission_scale(&self, detail: &Detail, mu: f32) -> f32 {
+        match &self.varying {
+            None => self.bsdf.emission_scale(mu),
+            Some(varying) if varying.has_layers() => varying.bsdf(detail, mu).emission_scale(mu),
+            Some(_) => 1.0,
+        }
     }
 }
 
@@ -178,10 +203,19 @@ impl Compiler<'_> {
 /// Whether what scatters differs from point to point.
 pub(super) fn varies(p: &scene::Principled, colored: bool) -> bool {
     let t = &p.textures;
-    let scalars = [&t.metallic, &t.roughness, &t.specular, &t.transmission];
+    let scalars = [
+        &t.metallic,
+        &t.roughness,
+        &t.specular,
+        &t.transmission,
+        &t.coat,
+        &t.coat_roughness,
+        &t.sheen_roughness,
+    ];
     colored
         || t.base_color.is_some()
         || t.specular_color.is_some()
+        || t.sheen_color.is_some()
         || scalars.iter().any(|slot| slot.is_some())
 }
 
@@ -197,12 +231,22 @@ fn is_straight(p: &Numbers) -> bool {
 /// Whether the material is nothing but a smooth dielectric.
 pub(super) fn is_smooth_glass(p: &Numbers) -> bool {
     let smooth = p.roughness * p.roughness < SMOOTH_ALPHA || is_straight(p);
-    smooth && p.metallic == 0.0 && p.transmission == 1.0
+    smooth && p.metallic == 0.0 && p.transmission == 1.0 && !has_layers(p)
+}
+
+/// Whether there is a coat that reflects, or a sheen.
+pub(super) fn has_layers(p: &Numbers) -> bool {
+    has_coat(p) || !p.sheen_color.is_black()
+}
+
+pub(super) fn has_coat(p: &Numbers) -> bool {
+    p.coat > 0.0 && p.coat_ior != 1.0
 }
 
 /// Whether the material is nothing but a Lambertian reflector.
 pub(super) fn is_diffuse(p: &Numbers) -> bool {
-    p.metallic == 0.0 && p.transmission == 0.0 && (p.specular == 0.0 || p.ior == 1.0)
+    let plain = p.metallic == 0.0 && p.transmission == 0.0 && (p.specular == 0.0 || p.ior == 1.0);
+    plain && !has_layers(p)
 }
 
 /// The principled material, or what it reduces to exactly.
@@ -211,7 +255,7 @@ fn principled(p: &Numbers, rows: &mut Rows) -> Bsdf {
         return Bsdf::Glass(Glass { ior: p.ior, tint: p.transmission_tint, thin: p.thin });
     }
     let lobes = lobes(p, rows);
-    if lobes.specular.is_none() && p.metallic == 0.0 && p.transmission == 0.0 {
+    if lobes.specular.is_none() && p.metallic == 0.0 && p.transmission == 0.0 && !has_layers(p) {
         return diffuse(p.base_color);
     }
     Bsdf::Principled(lobes)
@@ -244,7 +288,25 @@ pub(super) fn lobes(p: &Numbers, rows: &mut impl Albedos) -> Principled {
         white: needs_white.then(|| rows.white(alpha)),
         rough,
         smooth: Glass { ior: p.ior, tint: p.transmission_tint, thin: p.thin },
+        coat: has_coat(p).then(|| coat(p, rows)),
+        sheen: (!p.sheen_color.is_black()).then(|| sheen(p, rows)),
     }
+}
+
+fn coat(p: &Numbers, rows: &mut impl Albedos) -> Coat {
+    let (alpha, ior) = (p.coat_roughness * p.coat_roughness, p.coat_ior);
+    let smooth = alpha < SMOOTH_ALPHA;
+    Coat {
+        weight: p.coat,
+        alpha: if smooth { 0.0 } else { alpha },
+        ior,
+        albedo: (!smooth).then(|| rows.coat(alpha, ior)),
+    }
+}
+
+fn sheen(p: &Numbers, rows: &mut impl Albedos) -> Sheen {
+    let lobe = Charlie::new(p.sheen_roughness);
+    Sheen { color: p.sheen_color, lobe, albedo: rows.sheen(p.sheen_roughness) }
 }
 
 /// F0 of the dielectric layer, and its tint. A tint above one is strength: as in Cycles it raises the

@@ -79,9 +79,9 @@ impl Prepared {
     /// The material of a primitive, and its object.
     #[inline]
     #[must_use]
-    pub(crate) fn material_at(&self, id: PrimitiveId) -> Option<(&PreparedMaterial, u32)> {
+    pub(crate) fn material_at(&self, id: PrimitiveId) -> (&PreparedMaterial, u32) {
         let object = self.geometry.object_of(id);
-        self.materials.get(self.material_of(object) as usize).map(|m| (m, object))
+        (&self.materials[self.material_of(object) as usize], object)
     }
 
     /// The share of the surface that is there at a hit, [0, 1].

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::albedo::{AllTables, AtHit, Span, Tables};
 use super::detail::Detail;
 use super::fold::{bounded, tint_factor, unit};
-use super::material::{Numbers, diffuse, is_diffuse, largest_root, lobes, pixels};
+use super::material::{Numbers, diffuse, has_coat, has_layers, is_diffuse, largest_root, lobes, pixels};
 use super::texture::{Coordinates, Sampler, ScalarSampler};
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
@@ -26,6 +26,10 @@ pub(crate) struct Varying {
     specular: Option<ScalarSampler>,
     specular_color: Option<Sampler>,
     transmission: Option<ScalarSampler>,
+    coat: Option<ScalarSampler>,
+    coat_roughness: Option<ScalarSampler>,
+    sheen_color: Option<Sampler>,
+    sheen_roughness: Option<ScalarSampler>,
     /// `None` for a Lambertian reflector.
     tables: Option<Arc<Tables>>,
 }
@@ -42,6 +46,10 @@ impl Varying {
             specular: None,
             specular_color: None,
             transmission: None,
+            coat: None,
+            coat_roughness: None,
+            sheen_color: None,
+            sheen_roughness: None,
             tables: None,
         }
     }
@@ -63,6 +71,10 @@ impl Varying {
             specular: value(&t.specular),
             specular_color: color(&t.specular_color),
             transmission: value(&t.transmission),
+            coat: value(&t.coat),
+            coat_roughness: value(&t.coat_roughness),
+            sheen_color: color(&t.sheen_color),
+            sheen_roughness: value(&t.sheen_roughness),
             tables: None,
         };
         if is_diffuse(&numbers) {
@@ -82,6 +94,14 @@ impl Varying {
             (numbers.transmission > 0.0 && !numbers.thin && numbers.ior != 1.0).then_some(numbers.ior);
         let roughness = t.roughness.is_none().then_some(numbers.roughness);
         let span = Span::new(roughness, [if varies { 0.0 } else { root }, root], solid);
+        let constant = |slot: &Option<scene::ScalarTexture>, v: f32| slot.is_none().then_some(v);
+        let mut span = span;
+        if has_coat(&numbers) {
+            span = span.coat(numbers.coat_ior, constant(&t.coat_roughness, numbers.coat_roughness));
+        }
+        if !numbers.sheen_color.is_black() {
+            span = span.sheen(constant(&t.sheen_roughness, numbers.sheen_roughness));
+        }
         Self { tables: Some(tables.get(span)), ..varied }
     }
 
@@ -90,6 +110,11 @@ impl Varying {
         let texel = self.base_color.as_ref().map_or(Rgb::WHITE, |t| t.rgb(&detail.uv));
         let factor = texel * detail.color;
         ((self.numbers.base_color * factor).map(unit), factor)
+    }
+
+    /// Whether a coat or a sheen may be on top.
+    pub(crate) fn has_layers(&self) -> bool {
+        has_layers(&self.numbers)
     }
 
     /// What the albedo feature shows.
@@ -122,6 +147,13 @@ impl Varying {
             } else {
                 n.transmission_tint
             },
+            coat: times(n.coat, &self.coat),
+            coat_roughness: times(n.coat_roughness, &self.coat_roughness),
+            sheen_color: match &self.sheen_color {
+                Some(t) => (n.sheen_color * t.rgb(at)).map(unit),
+                None => n.sheen_color,
+            },
+            sheen_roughness: times(n.sheen_roughness, &self.sheen_roughness),
             ..*n
         };
         Bsdf::Principled(lobes(&p, &mut AtHit { tables, mu: mu.clamp(0.0, 1.0) }))

@@ -9,4 +9,5 @@ mod agree;
 mod bsdf;
 mod fast;
 mod naive;
+mod report;
 mod textured;

@@ -178,6 +178,24 @@ fn slots() -> Vec<(String, Scene)> {
                 p.textures.base_color = Some(t);
             }),
         ),
+        (
+            "coat and its roughness",
+            textured(13, |p, t| {
+                p.base_color = Rgb::new(0.5, 0.1, 0.1);
+                (p.coat, p.coat_roughness, p.emission) = (1.0, 0.7, Rgb::new(0.2, 0.1, 0.3));
+                p.textures.coat = channel(t, Channel::R);
+                p.textures.coat_roughness = channel(t, Channel::G);
+            }),
+        ),
+        (
+            "sheen and its roughness",
+            textured(14, |p, t| {
+                p.base_color = Rgb::new(0.1, 0.2, 0.4);
+                (p.sheen_color, p.sheen_roughness) = (Rgb::new(0.9, 0.8, 0.6), 1.0);
+                p.textures.sheen_color = Some(t);
+                p.textures.sheen_roughness = channel(t, Channel::A);
+            }),
+        ),
     ];
     let mut copies = stage();
     let texture = Texture::new(noise_image(&mut copies, 12));

@@ -10,6 +10,7 @@ use std::sync::{Arc, LazyLock};
 use glam::DVec3;
 
 use super::fresnel;
+use super::layers::charlie;
 use super::material::{reflect, refract};
 use super::microfacet::{Ggx, half_vector};
 use super::quadrature::gauss;
@@ -42,6 +43,13 @@ pub(super) enum Lobe {
         /// n_inside / n_outside.
         eta: f64,
     },
+    /// Reflection with the Fresnel factor of `eta`.
+    Coat {
+        /// n_inside / n_outside.
+        eta: f64,
+    },
+    /// The white sheen before it is scaled.
+    Sheen,
     /// Reflection and transmission together, without tint and without 1/eta^2.
     Dielectric {
         /// n_transmitted / n_incident.
@@ -65,11 +73,35 @@ impl Curves {
             Lobe::Reflection => (0, 1.0),
             Lobe::Layer { eta } => (1, eta),
             Lobe::Dielectric { eta } => (2, eta),
+            Lobe::Coat { eta } => (3, eta),
+            Lobe::Sheen => return self.of_value(alpha, |wo, wi| charlie(alpha, wo, wi)),
         };
         let key = (kind, alpha.to_bits(), eta.to_bits());
         let curve = self.0.entry(key).or_insert_with(|| {
             let rule = gauss(NODES);
             Arc::new(Curve::new(|mu| albedo(lobe, Ggx { alpha }, mu, &rule)))
+        });
+        Arc::clone(curve)
+    }
+
+    /// The curve of a lobe that is `f` times its cosine, of `wo` and `wi`, known by `key`.
+    fn of_value(&mut self, key: f64, f: impl Fn(DVec3, DVec3) -> f64) -> Arc<Curve> {
+        let curve = self.0.entry((4, key.to_bits(), 0)).or_insert_with(|| {
+            let rule = gauss(NODES);
+            Arc::new(Curve::new(|mu| {
+                let wo = DVec3::new(((1.0 - mu) * (1.0 + mu)).sqrt(), 0.0, mu);
+                // Gauss's rule in the square root of the cosine, and in half a turn of the azimuth.
+                let ring = |[x, weight]: &[f64; 2]| {
+                    let z = x * x;
+                    let r = (1.0 - z * z).sqrt();
+                    let at = |[y, w]: &[f64; 2]| {
+                        let phi = PI * y;
+                        w * f(wo, DVec3::new(r * libm::cos(phi), r * libm::sin(phi), z))
+                    };
+                    2.0 * PI * weight * 2.0 * x * z * rule.iter().map(at).sum::<f64>()
+                };
+                rule.iter().map(ring).sum()
+            }))
         });
         Arc::clone(curve)
     }
@@ -132,6 +164,9 @@ pub(super) struct Shelf {
     /// For each node of roughness, those of the root.
     layer: Vec<Vec<Arc<Curve>>>,
     dielectric: [Vec<Arc<Curve>>; 2],
+    /// Nodes of roughness of coat and sheen, and their curves; empty where there is none.
+    coat: (Vec<f64>, Vec<Arc<Curve>>),
+    sheen: (Vec<f64>, Vec<Arc<Curve>>),
 }
 
 /// Smallest roughness that has curves.
@@ -168,11 +203,32 @@ impl Shelf {
         }
         let reflection = row(Lobe::Reflection);
         let dielectric = [dielectric(&mut row, ior), dielectric(&mut row, 1.0 / ior)];
-        Self { reflection, layer, dielectric, roughness, root }
+        let mut over = |textured: bool, value: f32, lobe, wanted: bool| {
+            let nodes = if textured { steps(LEAST, 1.0, 24) } else { vec![f64::from(value).max(LEAST)] };
+            let row =
+                if wanted { nodes.iter().map(|r| curves.get(lobe, r * r)).collect() } else { Vec::new() };
+            (nodes, row)
+        };
+        let eta = f64::from(p.coat_ior);
+        let coat =
+            over(textures.coat_roughness.is_some(), p.coat_roughness, Lobe::Coat { eta }, p.coat > 0.0);
+        let colored = p.sheen_color.max_channel() > 0.0;
+        let sheen =
+            over(textures.sheen_roughness.is_some(), p.sheen_roughness.max(0.07), Lobe::Sheen, colored);
+        Self { reflection, layer, dielectric, roughness, root, coat, sheen }
     }
 
     /// The curve of a lobe, interpolated over roughness and over the root of F0.
     pub(super) fn mix(&self, lobe: Lobe, alpha: f64) -> Mix {
+        let over = |(nodes, curves): &(Vec<f64>, Vec<Arc<Curve>>)| {
+            let mix = between(nodes, alpha.sqrt()).into_iter();
+            Mix(mix.map(|(i, w)| (w, Arc::clone(&curves[i]))).collect())
+        };
+        match lobe {
+            Lobe::Coat { .. } => return over(&self.coat),
+            Lobe::Sheen => return over(&self.sheen),
+            _ => {}
+        }
         let mut mix = Vec::new();
         for (i, w) in between(&self.roughness, alpha.sqrt()) {
             match lobe {
@@ -187,7 +243,7 @@ impl Shelf {
                         mix.push((w * v, &self.layer[i][k]));
                     }
                 }
-                Lobe::Layer { .. } => {}
+                Lobe::Layer { .. } | Lobe::Coat { .. } | Lobe::Sheen => {}
             }
         }
         Mix(mix.into_iter().map(|(w, curve)| (w, Arc::clone(curve))).collect())
@@ -229,12 +285,12 @@ fn albedo(lobe: Lobe, ggx: Ggx, mu: f64, rule: &[[f64; 2]]) -> f64 {
     let reflected = |h: DVec3| {
         let wi = reflect(wo, h);
         let share = match lobe {
-            Lobe::Reflection => 1.0,
+            Lobe::Reflection | Lobe::Sheen => 1.0,
             Lobe::Layer { eta } => {
                 let f0 = fresnel::exact(1.0, eta);
                 (fresnel::exact(wo.dot(h), eta) - f0) / (1.0 - f0)
             }
-            Lobe::Dielectric { eta } => fresnel::exact(wo.dot(h), eta),
+            Lobe::Coat { eta } | Lobe::Dielectric { eta } => fresnel::exact(wo.dot(h), eta),
         };
         if wi.z > 0.0 { share * ggx.g2(wo, wi) } else { 0.0 }
     };
@@ -258,7 +314,7 @@ fn albedo(lobe: Lobe, ggx: Ggx, mu: f64, rule: &[[f64; 2]]) -> f64 {
         let faces = if along < 0.0 { mu / -along } else { f64::INFINITY };
         let mut sum = 0.0;
         match lobe {
-            Lobe::Reflection | Lobe::Layer { .. } => {
+            Lobe::Reflection | Lobe::Layer { .. } | Lobe::Coat { .. } | Lobe::Sheen => {
                 sum += over_slopes(ggx, phi, [0.0, reflects], rule, |h| reflected(h) * visible(h));
             }
             Lobe::Dielectric { eta } => {

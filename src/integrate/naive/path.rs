@@ -138,7 +138,7 @@ impl Tracer {
             };
 
             // Emission of the surface.
-            radiance += beta * surface.emitted(vertex.front);
+            radiance += beta * surface.emitted(&vertex);
             if depth == max_depth {
                 break;
             }

@@ -109,6 +109,10 @@ impl Varying {
                     transmission: scale(p.transmission, &t.transmission),
                     transmission_tint: times(p.transmission_tint, tint),
                     emission: free(p.emission, &t.emission),
+                    coat: scale(p.coat, &t.coat),
+                    coat_roughness: scale(p.coat_roughness, &t.coat_roughness),
+                    sheen_color: times(p.sheen_color, self.color(&t.sheen_color, at)),
+                    sheen_roughness: scale(p.sheen_roughness, &t.sheen_roughness),
                     ..(**p).clone()
                 }))
             }
