@@ -83,7 +83,14 @@ impl Fault {
             Self::File { path, reason } => {
                 format!("{}: {reason}", path.strip_prefix(folder).unwrap_or(path).display())
             }
-            other => other.clause(),
+            Self::Invalid { place, found, expected } => {
+                format!("{place}: found {found}, expected {expected}")
+            }
+            Self::Text { error, .. } => error.to_string(),
+            Self::Unsupported { place, feature, help } => {
+                format!("{place}: {feature} is not supported; {help}")
+            }
+            Self::Elsewhere(error) => error.to_string(),
         }
     }
 

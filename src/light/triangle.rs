@@ -79,11 +79,12 @@ impl TriangleLight {
         let (wb, wc) = (w.dot(rc.cross(ra)), w.dot(ra.cross(rb)));
         let wa = w.dot(rb.cross(rc));
         let sum = wa + wb + wc;
-        let b1 = (wb / sum).clamp(0.0, 1.0);
-        let b2 = (wc / sum).clamp(0.0, 1.0 - b1);
+        let (b1, b2) = (wb / sum, wc / sum);
         if !(b1.is_finite() && b2.is_finite()) {
             return None;
         }
+        let b1 = b1.clamp(0.0, 1.0);
+        let b2 = b2.clamp(0.0, 1.0 - b1);
         Some(self.at([b1 as f32, b2 as f32], (1.0 / view.solid_angle) as f32))
     }
 

@@ -404,7 +404,15 @@ fn emissive_surfaces() -> Vec<(&'static str, Scene)> {
     if let Some(lamp) = mirrored.objects.last_mut() {
         lamp.transform = placed(DVec3::new(1.0, -1.0, 1.0), 0.4, DVec3::new(0.5, 4.0, 0.0));
     }
+    // A sheet that glows and reflects what the lamp sends.
+    let mut sheet = stage();
+    let glowing_sheet = principled(|p| {
+        p.roughness = 0.5;
+        p.emission = Rgb::new(0.6, 0.4, 0.8);
+    });
+    sheet.quad(DVec3::new(0.2, 1.3, 0.0), 2.0 * DVec3::X, DVec3::new(0.0, 2.0, 0.3), glowing_sheet);
     vec![
+        ("a sheet that glows and reflects", sheet),
         ("triangles that shine on both sides", triangles),
         ("inside of a sphere that glows and reflects", inside),
         ("a ball that glows and reflects", glowing),
