@@ -35,7 +35,7 @@ pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) 
     let loaded = load::load(&args.scene)?;
     let job = Job::from_args(args, &loaded.scene, outputs)?;
     if args.strict {
-        notes::refuse(&loaded.notes)?;
+        notes::refuse(&loaded.notes, notes::RENDERED)?;
     }
     job.run(loaded, begin, arguments, console)
 }
@@ -318,7 +318,7 @@ impl Job {
         };
         let tracer = Tracer::new(scene, &options).map_err(failure)?;
         if self.strict {
-            notes::refuse(tracer.notes())?;
+            notes::refuse(tracer.notes(), notes::RENDERED)?;
         }
         if !self.quiet {
             notes::show(tracer.notes(), self.verbose, console);
