@@ -16,7 +16,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use image::codecs::{bmp, hdr, jpeg, png, tga, webp};
 use image::{ColorType, ImageDecoder, ImageResult};
 
-use super::budget::Budget;
+use super::budget::{Budget, filled};
 use super::error::Fault;
 use crate::scene::{ImageFormat, MAX_RADIANCE, MAX_SIDE, Pixels, Texels};
 
@@ -99,7 +99,13 @@ fn title(format: ImageFormat) -> &'static str {
 /// A stream that does not hold what its header promises.
 fn broken(format: ImageFormat, reason: &str, place: &str) -> Fault {
     let title = title(format);
+    // Without what the decoder says about itself, and on one line.
+    let reason = match reason.strip_prefix("Format error decoding ").and_then(|r| r.split_once(": ")) {
+        Some((_, reason)) => reason,
+        None => reason,
+    };
     let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
+    let reason = reason.split(" while decoding ").next().unwrap_or_default();
     Fault::invalid(place, format!("a broken {title} picture ({reason})"), format!("a whole {title}"))
 }
 
@@ -124,18 +130,6 @@ fn check_size(
         });
     }
     budget.charge_bytes(width * height, texel, place)
-}
-
-/// `count` copies of `value`, or a fault where there is no memory for them.
-fn filled<T: Clone>(count: usize, value: T, place: &str) -> Result<Vec<T>, Fault> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count).map_err(|_| Fault::Unsupported {
-        place: place.into(),
-        feature: format!("a picture that takes {} bytes of memory", count * size_of::<T>()),
-        help: "there is not as much free; use a smaller picture".into(),
-    })?;
-    list.resize(count, value);
-    Ok(list)
 }
 
 /// Decodes what the `image` package reads.

@@ -8,6 +8,7 @@ mod command;
 mod compare;
 mod convert;
 mod help;
+mod hostile;
 mod mistakes;
 mod render;
 mod roundtrip;
