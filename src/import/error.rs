@@ -90,6 +90,7 @@ impl Fault {
             Self::Unsupported { place, feature, help } => {
                 format!("{place}: {feature} is not supported; {help}")
             }
+            Self::Elsewhere(error) => error.to_string(),
         }
     }
 
