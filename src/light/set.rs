@@ -1,9 +1,11 @@
 //! All lights of a scene: choosing one, and finding those that a ray meets.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::pick::Pick;
-use super::{Ellipse, LightContext, Rectangle, SphereLight, SurfaceSample, TriangleLight};
+use super::{Ellipse, LightContext, Panorama, Rectangle, SphereLight, SurfaceSample, TriangleLight};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::Frame;
@@ -57,7 +59,7 @@ impl Spot {
 }
 
 /// One light. Surfaces know the primitives that they are; free lights are not surfaces.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Emitter {
     /// An emissive triangle.
     Triangle {
@@ -131,6 +133,13 @@ pub enum Emitter {
     Environment {
         /// W sr^-1 m^-2.
         radiance: Rgb,
+        /// Whether camera rays see it.
+        visible_to_camera: bool,
+    },
+    /// A picture of all directions.
+    Panorama {
+        /// The picture.
+        map: Arc<Panorama>,
         /// Whether camera rays see it.
         visible_to_camera: bool,
     },
@@ -216,7 +225,9 @@ impl LightSet {
                 Emitter::Rectangle { .. } | Emitter::Sphere { .. } | Emitter::Ellipse { .. } => {
                     set.free.push(i);
                 }
-                Emitter::Sun { .. } | Emitter::Environment { .. } => set.distant.push(i),
+                Emitter::Sun { .. } | Emitter::Environment { .. } | Emitter::Panorama { .. } => {
+                    set.distant.push(i);
+                }
                 Emitter::Point { .. } => {}
             }
         }
@@ -267,7 +278,10 @@ impl LightSet {
             Emitter::Rectangle { shape, .. } => shape.pdf(ctx.p, q),
             Emitter::Ellipse { shape, .. } => shape.pdf(ctx.p, q),
             Emitter::Sphere { shape, primitive, .. } => shape.pdf(ctx.p, *primitive == Some(ctx.from), q, n),
-            Emitter::Point { .. } | Emitter::Sun { .. } | Emitter::Environment { .. } => 0.0,
+            Emitter::Point { .. }
+            | Emitter::Sun { .. }
+            | Emitter::Environment { .. }
+            | Emitter::Panorama { .. } => 0.0,
         };
         density * self.pick.pmf(ctx.p, light.0 as usize)
     }
@@ -334,6 +348,12 @@ impl LightSet {
                 let pdf = environment_pdf(ctx, wi) * pmf;
                 (pdf > 0.0).then(|| distant(ctx, wi, *radiance / pdf, pdf, false))
             }
+            Emitter::Panorama { map, .. } => {
+                // The density is looked up for the direction as rounded, as it is for one found by chance.
+                let wi = map.sample(uv)?;
+                let pdf = map.pdf(wi) * pmf;
+                (pdf > 0.0).then(|| distant(ctx, wi, map.radiance(wi) / pdf, pdf, false))
+            }
         }
     }
 
@@ -393,12 +413,16 @@ impl LightSet {
     pub fn distant(&self, d: Vec3, ctx: Option<&LightContext>, mut found: impl FnMut(Rgb, bool, f32)) {
         for &i in &self.distant {
             let pmf = ctx.map_or(0.0, |c| self.pick.pmf(c.p, i as usize));
-            match self.emitters[i as usize] {
-                Emitter::Environment { radiance, visible_to_camera } => {
+            match &self.emitters[i as usize] {
+                &Emitter::Environment { radiance, visible_to_camera } => {
                     found(radiance, visible_to_camera, ctx.map_or(0.0, |c| environment_pdf(c, d)) * pmf);
                 }
+                Emitter::Panorama { map, visible_to_camera } => {
+                    let pdf = if ctx.is_some() { map.pdf(d) } else { 0.0 };
+                    found(map.radiance(d), *visible_to_camera, pdf * pmf);
+                }
                 // 1 - cos of the angle between unit vectors, from their chord.
-                Emitter::Sun { towards, irradiance, one_minus_cos, visible_to_camera }
+                &Emitter::Sun { towards, irradiance, one_minus_cos, visible_to_camera }
                     if 0.5 * (d - towards).length_squared() < one_minus_cos =>
                 {
                     let radiance = sun_radiance(irradiance, one_minus_cos);
@@ -425,7 +449,7 @@ impl Emitter {
                 vec![shape.center - r, shape.center + r]
             }
             Self::Point { position, .. } => vec![*position],
-            Self::Sun { .. } | Self::Environment { .. } => Vec::new(),
+            Self::Sun { .. } | Self::Environment { .. } | Self::Panorama { .. } => Vec::new(),
         }
     }
 
@@ -438,7 +462,7 @@ impl Emitter {
             Self::Ellipse { shape, radiance, .. } => flat(*radiance, shape.area()),
             Self::Sphere { shape, radiance, .. } => flat(*radiance, 0.25 * shape.area()),
             Self::Point { intensity, .. } => f64::from(intensity.luminance()),
-            Self::Sun { .. } | Self::Environment { .. } => 0.0,
+            Self::Sun { .. } | Self::Environment { .. } | Self::Panorama { .. } => 0.0,
         }
     }
 
@@ -468,6 +492,7 @@ impl Emitter {
             Self::Point { intensity, spot, .. } => f64::from(intensity.luminance()) * 4.0 * PI * cone(spot),
             Self::Sun { irradiance, .. } => f64::from(irradiance.luminance()) * disk,
             Self::Environment { radiance, .. } => f64::from(radiance.luminance()) * PI * 4.0 * disk,
+            Self::Panorama { map, .. } => f64::from(map.mean().luminance()) * PI * 4.0 * disk,
         }
     }
 }

@@ -1,12 +1,14 @@
 //! Collecting lights: emissive primitives, free lights and the environment.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
 use super::geometry::Flat;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::light::{
-    Ellipse, Emitter, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight, from_triangles,
+    Ellipse, Emitter, Panorama, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight, from_triangles,
 };
 use crate::scene::{AreaShape, Light, LightKind, Scene, Sides, SpotFalloff};
 
@@ -26,10 +28,17 @@ pub(super) fn collect(scene: &Scene, flat: &Flat) -> Vec<Vec<Emitter>> {
     if let Some(e) = &scene.environment
         && !e.radiance.is_black()
     {
-        groups.push(vec![Emitter::Environment {
-            radiance: e.radiance,
-            visible_to_camera: e.visible_to_camera,
-        }]);
+        let visible_to_camera = e.visible_to_camera;
+        let pixels = e.image.and_then(|i| Some((i, scene.images.get(i.image.0 as usize)?.pixels.as_ref()?)));
+        match pixels {
+            Some((image, pixels)) => {
+                let map = Panorama::new(Arc::clone(pixels), e.radiance, image.rotation);
+                if !map.is_black() {
+                    groups.push(vec![Emitter::Panorama { map: Arc::new(map), visible_to_camera }]);
+                }
+            }
+            None => groups.push(vec![Emitter::Environment { radiance: e.radiance, visible_to_camera }]),
+        }
     }
     groups.retain(|g| !g.is_empty());
     groups
@@ -197,6 +206,7 @@ pub(super) fn brightest(groups: &[Vec<Emitter>], camera: DVec3, scene_radius: f6
         | Emitter::Ellipse { radiance, .. }
         | Emitter::Sphere { radiance, .. }
         | Emitter::Environment { radiance, .. } => *radiance,
+        Emitter::Panorama { map, .. } => map.brightest(),
         Emitter::Sun { irradiance, .. } => *irradiance,
         Emitter::Point { position, intensity, .. } => irradiance(*position, *intensity),
     };
