@@ -7,6 +7,9 @@ use crate::scene::NoteEffect;
 
 /// Extensions that are read, or that concern only textures, which carry a note of their own.
 const READ: &[&str] = &[
+    "EPSILUX_scene",
+    "EXT_lights_area",
+    "KHR_implicit_shapes",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -22,9 +25,7 @@ const READ: &[&str] = &[
 /// Extensions that are not read: name, what the picture lacks without, and the effect of that.
 const IGNORED: &[(&str, &str, NoteEffect)] = &[
     ("EXT_mesh_gpu_instancing", "each instanced mesh is shown once", NoteEffect::Missing),
-    ("EXT_lights_area", "its area lights are missing", NoteEffect::Missing),
     ("EXT_lights_image_based", "its environment is missing", NoteEffect::Missing),
-    ("KHR_implicit_shapes", "its analytic shapes are missing", NoteEffect::Missing),
     ("KHR_materials_anisotropy", "highlights are round", NoteEffect::Differs),
     ("KHR_materials_clearcoat", "the coat is missing", NoteEffect::Missing),
     ("KHR_materials_diffuse_transmission", "light does not pass diffusely", NoteEffect::Missing),

@@ -15,6 +15,7 @@ mod mesh;
 mod node;
 mod sphere;
 mod triangles;
+mod vendor;
 
 use std::path::Path;
 

@@ -21,6 +21,7 @@ mod write;
 
 pub use error::{TextError, TextErrorKind};
 pub(super) use expand::look_along;
+pub(crate) use names::Word;
 
 use error::Fault;
 use place::Place;
