@@ -4,6 +4,8 @@
 //! whatever the format cannot hold; a caller that refuses notes has then written nothing. `convert`
 //! is [`crate::import::read`] followed by [`encode`] and [`write`].
 
+mod gltf;
+
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +19,10 @@ pub enum Format {
     Toml,
     /// The same as JSON.
     Json,
+    /// glTF 2.0 as JSON, with its buffer and pictures beside it.
+    Gltf,
+    /// glTF 2.0 in one binary file.
+    Glb,
 }
 
 impl Format {
@@ -26,6 +32,8 @@ impl Format {
         match &*path.extension()?.to_string_lossy().to_ascii_lowercase() {
             "toml" => Some(Self::Toml),
             "json" => Some(Self::Json),
+            "gltf" => Some(Self::Gltf),
+            "glb" => Some(Self::Glb),
             _ => None,
         }
     }
@@ -60,6 +68,12 @@ pub enum ExportError {
         /// What was said.
         source: io::Error,
     },
+    /// The format cannot hold so much.
+    #[error("{name}: the scene needs more than 4 GiB, which a GLB file cannot hold; write .gltf instead")]
+    TooLarge {
+        /// The file.
+        name: String,
+    },
 }
 
 /// Converts a scene; `name` is the file name that it will have, on which the names of other files are
@@ -75,6 +89,8 @@ pub fn encode(scene: &Scene, format: Format, name: &str) -> Result<Encoded, Expo
     Ok(match format {
         Format::Toml => own(text::to_toml(scene)),
         Format::Json => own(text::to_json(scene)),
+        Format::Gltf => gltf::encode(scene, name, false)?,
+        Format::Glb => gltf::encode(scene, name, true)?,
     })
 }
 

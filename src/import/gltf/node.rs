@@ -7,10 +7,10 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json;
 use json::validation::Checked;
 
-use super::super::{LightUnits, ReadOptions};
 use super::super::error::Fault;
 use super::super::names::Names;
 use super::super::notes::Notes;
+use super::super::{LightUnits, ReadOptions};
 use super::accessor::{Reader, get};
 use super::document::Document;
 use super::light::Lights;

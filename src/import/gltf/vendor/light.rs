@@ -55,18 +55,18 @@ impl Node {
 
 /// The kind of light that `table` describes on top of `base`.
 fn kind(table: &LightTable, base: Option<&LightKind>, check: &mut Check<'_>) -> Option<LightKind> {
+    use LightType::{Area, Point, Spot, Sun};
     let base_type = base.map(|kind| match kind {
-        LightKind::Point { .. } => LightType::Point,
-        LightKind::Spot { .. } => LightType::Spot,
-        LightKind::Sun { .. } => LightType::Sun,
-        LightKind::Area { .. } => LightType::Area,
+        LightKind::Point { .. } => Point,
+        LightKind::Spot { .. } => Spot,
+        LightKind::Sun { .. } => Sun,
+        LightKind::Area { .. } => Area,
     });
     let Some(wanted) = table.kind.or(base_type) else {
         check.ignore("type", "a light needs a `type`, or KHR_lights_punctual at the same node");
         return None;
     };
     // The other kinds' values are of no use.
-    use LightType::{Area, Point, Spot, Sun};
     let keys: [(&str, bool, &[LightType]); 10] = [
         ("intensity", table.intensity.is_some(), &[Point, Spot]),
         ("irradiance", table.irradiance.is_some(), &[Sun]),

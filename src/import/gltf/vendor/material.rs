@@ -29,7 +29,10 @@ pub(in super::super) fn material(
     let mut given = given.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key);
     let first = given.next();
     for other in given {
-        check.ignore(other, "a material is one of diffuse, mirror, glass, light and principled, and more are given");
+        check.ignore(
+            other,
+            "a material is one of diffuse, mirror, glass, light and principled, and more are given",
+        );
     }
     if t.sides.is_some() && first != Some("light") {
         check.ignore("sides", "only a `light` has sides");
