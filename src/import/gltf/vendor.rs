@@ -21,8 +21,8 @@ use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 
 use super::super::error::Fault;
-use super::super::notes::Notes;
 use crate::scene::extension::{LightTable, NAME, NodeTable, VERSION};
+use crate::scene::notes::Notes;
 use crate::scene::{MAX_LENGTH, MIN_LENGTH, NoteEffect};
 
 pub(super) use camera::camera;

@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use gltf::json;
 
-use super::super::super::notes::Notes;
 use super::check::Check;
 use super::table;
 use crate::scene::extension::CameraTable;
+use crate::scene::notes::Notes;
 use crate::scene::{Camera, FovAxis, Lens, Projection};
 
 /// Changes `camera` by the extension of `source`, which stands at `place`.

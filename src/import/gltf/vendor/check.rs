@@ -1,8 +1,8 @@
 //! Values of the extension, clamped or left out, each with a note.
 
-use super::super::super::notes::Notes;
 use super::{ignored, is_length};
 use crate::color::Rgb;
+use crate::scene::notes::Notes;
 use crate::scene::{MAX_RADIANCE, NoteEffect};
 
 /// Checks the values of one table.

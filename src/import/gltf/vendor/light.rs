@@ -5,11 +5,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DAffine3, DMat3};
 use serde_json::Value;
 
-use super::super::super::notes::Notes;
 use super::check::Check;
 use super::{Node, ignored};
 use crate::color::Rgb;
 use crate::scene::extension::{LightTable, LightType};
+use crate::scene::notes::Notes;
 use crate::scene::{AreaShape, Light, LightKind, MAX_RADIANCE, SpotFalloff};
 
 /// The widest sun: just below half a turn.

@@ -2,11 +2,11 @@
 
 use gltf::json;
 
-use super::super::super::notes::Notes;
 use super::check::Check;
 use super::table;
 use crate::color::Rgb;
 use crate::scene::extension::{AbsorptionTable, MaterialTable, PrincipledTable};
+use crate::scene::notes::Notes;
 use crate::scene::{Absorption, Glass, MaterialKind, Principled};
 
 /// `kind` as the extension of `source`, at `place`, changes it.

@@ -1,14 +1,26 @@
 //! The scene: its title, its environment, and the hints how to render it.
 
-use super::super::super::notes::Notes;
+use super::super::super::error::Fault;
+use super::super::accessor::Reader;
+use super::super::texture::Textures;
 use super::check::Check;
 use super::{Root, choose};
 use crate::color::Rgb;
 use crate::scene::extension::{EnvironmentTable, FilmTable, SceneTable};
-use crate::scene::{Environment, MAX_SIDE, Scene, Settings};
+use crate::scene::notes::Notes;
+use crate::scene::{Environment, EnvironmentImage, MAX_SIDE, NoteEffect, Scene, Settings};
+
+/// The most by which an environment may be turned, radians: a few turns.
+const MAX_ROTATION: f64 = 1e3;
 
 /// Changes `scene` by the extension of the scene that was read.
-pub(in super::super) fn scene(root: &Root, scene: &mut Scene, notes: &mut Notes) {
+pub(in super::super) fn scene(
+    root: &Root,
+    scene: &mut Scene,
+    textures: &mut Textures<'_>,
+    reader: &mut Reader<'_>,
+    notes: &mut Notes,
+) -> Result<(), Fault> {
     let (place, extension, extras) = &root.scene;
     let (t, place) = choose::<SceneTable>(extension.as_ref(), extras.as_ref(), place, notes);
     if let Some(title) = t.title {
@@ -19,9 +31,10 @@ pub(in super::super) fn scene(root: &Root, scene: &mut Scene, notes: &mut Notes)
         settings(&film, &mut scene.settings, &mut check);
     }
     if let Some(e) = t.environment {
-        let mut check = Check { place: format!("{place}.environment"), notes };
-        scene.environment = Some(environment(e, &mut check));
+        let place = format!("{place}.environment");
+        scene.environment = Some(environment(e, place, textures, reader, notes)?);
     }
+    Ok(())
 }
 
 fn settings(film: &FilmTable, settings: &mut Settings, check: &mut Check<'_>) {
@@ -42,15 +55,45 @@ fn settings(film: &FilmTable, settings: &mut Settings, check: &mut Check<'_>) {
     }
 }
 
-fn environment(e: EnvironmentTable, check: &mut Check<'_>) -> Environment {
+fn environment(
+    e: EnvironmentTable,
+    place: String,
+    textures: &mut Textures<'_>,
+    reader: &mut Reader<'_>,
+    notes: &mut Notes,
+) -> Result<Environment, Fault> {
+    let mut check = Check { place, notes };
     let radiance = e.radiance.map_or(Rgb::WHITE, |v| check.emitted("radiance", v));
-    for key in [e.image.map(|_| "image"), e.uri.as_ref().map(|_| "uri")].into_iter().flatten() {
-        check.ignore(key, "pictures of the environment are not read yet");
-    }
-    Environment {
+    let rotation = e.rotation.map_or(0.0, |v| check.number("rotation", v, -MAX_ROTATION, MAX_ROTATION));
+    let picture = match (e.image, &e.uri) {
+        (None, None) => None,
+        (Some(index), uri) => {
+            if uri.is_some() {
+                check.ignore("uri", "an `image` is given too");
+            }
+            let index = check.whole("image", index, 0, u32::MAX) as usize;
+            let place = format!("{}.image", check.place);
+            Some(("image", textures.image(index, &place, reader, check.notes)?))
+        }
+        (None, Some(uri)) => {
+            let place = format!("{}.uri", check.place);
+            Some(("uri", textures.file(uri, &place, reader, check.notes)))
+        }
+    };
+    let image = match picture {
+        None => None,
+        Some((_, Ok(image))) => Some(EnvironmentImage { image, rotation }),
+        Some((key, Err(reason))) => {
+            let message = format!("the picture is left out: {reason}");
+            let place = format!("{}.{key}", check.place);
+            check.notes.add("texture-missing", NoteEffect::Missing, place, message);
+            None
+        }
+    };
+    Ok(Environment {
         name: e.name.unwrap_or_else(|| "environment".to_owned()),
         radiance,
-        image: None,
+        image,
         visible_to_camera: e.visible.unwrap_or(true),
-    }
+    })
 }
