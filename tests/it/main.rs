@@ -6,6 +6,7 @@ mod support;
 mod bytes;
 mod command;
 mod compare;
+mod fixtures;
 mod help;
 mod mistakes;
 mod render;
