@@ -11,6 +11,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::units;
 use crate::import::LightUnits;
+use crate::integrate::report::Slips;
 use crate::prepare::EffectsMode;
 use crate::scene::ToneCurve;
 
@@ -149,6 +150,11 @@ pub(super) struct RenderArgs {
     /// How light is simulated
     #[arg(long, value_enum, default_value_t)]
     pub(super) method: Method,
+
+    /// With --method report: with the report's slips, all of them or those listed; the guide's page "The
+    /// report, formula by formula" says what each does
+    #[arg(long, value_enum, value_name = "SLIPS", value_delimiter = ',', num_args = 0.., require_equals = true)]
+    pub(super) as_printed: Option<Vec<SlipArg>>,
 
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -349,6 +355,47 @@ pub(super) enum Method {
     Default,
     /// Slow and obvious brute force in double precision, to check the default against
     Reference,
+    /// As in the report "Monte Carlo Ray Tracing" (2021), corrected: one ray in each quarter of the pixel
+    /// (--spp is rounded up to 1 or a multiple of 4), a tree of at most 12 events (--max-depth)
+    Report,
+}
+
+/// A slip of the report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum SlipArg {
+    /// 2.4: the wrong edge in Q; no triangle is hit
+    QVector,
+    /// 3.1: without the area of the light
+    Area,
+    /// 3.1: without 1/pi
+    InversePi,
+    /// 3.1: divided by the number of lights
+    LightCount,
+    /// 3.1: "larger than one"; no direct light
+    ShadowComparison,
+    /// 3.3: a pi too many
+    ExtraPi,
+    /// 3.4: roulette the wrong way round
+    RouletteSign,
+    /// 3.5, 3.6: the angle inside of the glass; a line in it
+    Schlick,
+}
+
+impl SlipArg {
+    /// The slips of a list; all of them where it is empty.
+    pub(super) fn slips(list: &[Self]) -> Slips {
+        let has = |slip| list.is_empty() || list.contains(&slip);
+        Slips {
+            q_vector: has(Self::QVector),
+            area: has(Self::Area),
+            inverse_pi: has(Self::InversePi),
+            light_count: has(Self::LightCount),
+            shadow_comparison: has(Self::ShadowComparison),
+            extra_pi: has(Self::ExtraPi),
+            roulette_sign: has(Self::RouletteSign),
+            schlick_inside_angle: has(Self::Schlick),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -75,6 +75,32 @@ impl Fault {
         Self::Invalid { place: place.into(), found: found.into(), expected: expected.into() }
     }
 
+    /// What is wrong, as part of a note; files are named from `folder`.
+    pub(crate) fn reason(&self, folder: &Path) -> String {
+        match self {
+            Self::File { path, reason } => {
+                format!("{}: {reason}", path.strip_prefix(folder).unwrap_or(path).display())
+            }
+            Self::Invalid { place, found, expected } => {
+                format!("{place}: found {found}, expected {expected}")
+            }
+            Self::Text { error, .. } => error.to_string(),
+            Self::Unsupported { place, feature, help } => {
+                format!("{place}: {feature} is not supported; {help}")
+            }
+        }
+    }
+
+    /// What is wrong, as a clause, for whoever says the place in a way of their own.
+    pub(crate) fn clause(&self) -> String {
+        match self {
+            Self::File { path, reason } => format!("{}: {reason}", path.display()),
+            Self::Invalid { found, expected, .. } => format!("found {found}, expected {expected}"),
+            Self::Text { error, .. } => error.to_string(),
+            Self::Unsupported { feature, help, .. } => format!("{feature} is not supported; {help}"),
+        }
+    }
+
     /// Names the file.
     pub(crate) fn at(self, file: &Path) -> ImportError {
         match self {

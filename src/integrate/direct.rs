@@ -2,6 +2,7 @@
 
 use super::li::{Counters, interior};
 use super::scatter;
+use crate::accel::PrimitiveId;
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
 use crate::light::LightContext;
@@ -42,6 +43,9 @@ pub(super) fn direct_light<const FX: u32>(
     let weight = if light.delta { 1.0 } else { mis_weight(light.pdf, pdf) };
     let cos = light.wi.dot(frame.ns()).abs();
     let mut ld = f * light.weight * (cos * weight);
+    if const { Effects(FX).has(Effect::Glossy) } && light.target != PrimitiveId::NONE {
+        ld *= scene.emission_scale(light.target, light.cos);
+    }
     if ld.is_black() {
         return Rgb::BLACK;
     }

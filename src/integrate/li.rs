@@ -125,7 +125,10 @@ fn step<const FX: u32>(
     if fx.has(Effect::AreaLights)
         && let Some(light) = scene.lights.of_surface(surface.id)
     {
-        let le = scene.lights.emitted(light, wo, surface.ng);
+        let mut le = scene.lights.emitted(light, wo, surface.ng);
+        if fx.has(Effect::Glossy) {
+            le *= scene.emission_scale(surface.id, wo.dot(surface.ng).abs());
+        }
         let weight = match &path.sampled {
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),

@@ -152,6 +152,8 @@ pub struct LightSample {
     pub shadow_ray: Ray,
     /// The primitive that the ray ends on.
     pub target: PrimitiveId,
+    /// Cosine at which the light leaves a surface, [0, 1]; one where it leaves none.
+    pub cos: f32,
 }
 
 /// A free light that a ray meets.
@@ -304,7 +306,15 @@ impl LightSet {
                 let to = *position - origin;
                 let shadow_ray = Ray { o: origin, d: to.try_normalize()?, t_max: to.length() };
                 let weight = *intensity * (factor / (d2 * pmf));
-                Some(LightSample { wi, weight, pdf: pmf, delta: true, shadow_ray, target: PrimitiveId::NONE })
+                Some(LightSample {
+                    wi,
+                    weight,
+                    pdf: pmf,
+                    delta: true,
+                    shadow_ray,
+                    target: PrimitiveId::NONE,
+                    cos: 1.0,
+                })
             }
             Emitter::Sun { towards, irradiance, one_minus_cos, .. } => {
                 if *one_minus_cos == 0.0 {
@@ -505,10 +515,11 @@ fn surface(
         delta: false,
         shadow_ray,
         target,
+        cos: wi.dot(s.n).abs().min(1.0),
     })
 }
 
 fn distant(ctx: &LightContext, wi: Vec3, weight: Rgb, pdf: f32, delta: bool) -> LightSample {
     let shadow_ray = Ray::new(offset_origin(ctx.p, ctx.p_err, ctx.ng, wi), wi);
-    LightSample { wi, weight, pdf, delta, shadow_ray, target: PrimitiveId::NONE }
+    LightSample { wi, weight, pdf, delta, shadow_ray, target: PrimitiveId::NONE, cos: 1.0 }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::bsdf::dielectric::RoughDielectric;
 use crate::bsdf::fresnel::{dielectric, f0_of_ior, ior_of_f0};
 use crate::bsdf::tables::{self, AlbedoRow};
-use crate::bsdf::{Bsdf, Diffuse, Glass, Mirror, Principled, SMOOTH_ALPHA, Specular};
+use crate::bsdf::{Bsdf, Charlie, Coat, Diffuse, Glass, Mirror, Principled, SMOOTH_ALPHA, Sheen, Specular};
 use crate::color::Rgb;
 use crate::math;
 use crate::scene::{self, Absorption, MaterialKind, Scene};
@@ -110,7 +110,16 @@ fn is_straight(p: &scene::Principled) -> bool {
 /// Whether the material is nothing but a smooth dielectric.
 pub(super) fn is_smooth_glass(p: &scene::Principled) -> bool {
     let smooth = p.roughness * p.roughness < SMOOTH_ALPHA || is_straight(p);
-    smooth && p.metallic == 0.0 && p.transmission == 1.0
+    smooth && p.metallic == 0.0 && p.transmission == 1.0 && !has_layers(p)
+}
+
+/// Whether there is a coat that reflects, or a sheen.
+pub(super) fn has_layers(p: &scene::Principled) -> bool {
+    has_coat(p) || !p.sheen_color.is_black()
+}
+
+fn has_coat(p: &scene::Principled) -> bool {
+    p.coat > 0.0 && p.coat_ior != 1.0
 }
 
 /// The principled material, or what it reduces to exactly.
@@ -125,7 +134,7 @@ fn principled(p: &scene::Principled, rows: &mut Rows) -> Bsdf {
         return Bsdf::Glass(glass);
     }
     let specular = if opaque { specular(p, alpha, rows) } else { None };
-    if specular.is_none() && p.metallic == 0.0 && p.transmission == 0.0 {
+    if specular.is_none() && p.metallic == 0.0 && p.transmission == 0.0 && !has_layers(p) {
         return diffuse(p.base_color);
     }
     let needs_white = !smooth && (p.metallic > 0.0 || specular.is_some());
@@ -147,7 +156,27 @@ fn principled(p: &scene::Principled, rows: &mut Rows) -> Bsdf {
         white: needs_white.then(|| rows.white(alpha)),
         rough,
         smooth: glass,
+        coat: has_coat(p).then(|| coat(p, rows)),
+        sheen: (!p.sheen_color.is_black()).then(|| sheen(p, rows)),
     }))
+}
+
+fn coat(p: &scene::Principled, rows: &mut Rows) -> Coat {
+    let (alpha, ior) = (p.coat_roughness * p.coat_roughness, p.coat_ior);
+    let smooth = alpha < SMOOTH_ALPHA;
+    let albedo = |mu| tables::reflected(mu, alpha, |cos| dielectric(cos, ior).0);
+    Coat {
+        weight: p.coat,
+        alpha: if smooth { 0.0 } else { alpha },
+        ior,
+        albedo: (!smooth).then(|| rows.get(3, alpha, ior, albedo)),
+    }
+}
+
+fn sheen(p: &scene::Principled, rows: &mut Rows) -> Sheen {
+    let lobe = Charlie::new(p.sheen_roughness);
+    let albedo = rows.get(4, p.sheen_roughness, 0.0, |mu| lobe.albedo(mu));
+    Sheen { color: p.sheen_color, lobe, albedo }
 }
 
 /// The dielectric layer; `None` where it reflects nothing.

@@ -162,4 +162,13 @@ impl Prepared {
     pub fn material_of(&self, object: u32) -> u32 {
         self.object_materials[object as usize]
     }
+
+    /// What layers on an emissive primitive leave of its light, where `cos` in [0, 1] is that between the
+    /// geometric normal and the way the light takes; one where there are none.
+    #[inline]
+    #[must_use]
+    pub fn emission_scale(&self, primitive: crate::accel::PrimitiveId, cos: f32) -> f32 {
+        let material = self.material_of(self.geometry.object_of(primitive));
+        self.materials[material as usize].bsdf.emission_scale(cos)
+    }
 }

@@ -301,6 +301,9 @@ impl Needs for MaterialKind {
 /// What a principled material compiles to decides; the compiler's tests compare the two.
 fn principled_needs(p: &Principled) -> Vec<Effect> {
     let plain = p.metallic == 0.0 && p.transmission == 0.0 && (p.specular == 0.0 || p.ior == 1.0);
+    if super::material::has_layers(p) {
+        return vec![Effect::Glossy];
+    }
     if super::material::is_smooth_glass(p) {
         vec![Effect::Refraction]
     } else if plain {

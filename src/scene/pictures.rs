@@ -64,17 +64,14 @@ fn texture(t: &Texture, images: usize, place: &str) -> Check {
         return wrong(format!("{place}.uv_set"), format!("{} has to be 0 or 1", t.uv_set));
     }
     let range = format!("from -{MAX_UV} to {MAX_UV}");
-    let numbers = [
-        ("offset", t.offset[0]),
-        ("offset", t.offset[1]),
-        ("rotation", t.rotation),
-        ("scale", t.scale[0]),
-        ("scale", t.scale[1]),
-    ];
+    let numbers =
+        [("offset", t.offset[0]), ("offset", t.offset[1]), ("scale", t.scale[0]), ("scale", t.scale[1])];
     for (key, v) in numbers {
         in_range(format!("{place}.{key}"), v.into(), v.abs() <= MAX_UV, &range)?;
     }
-    Ok(())
+    let ok = t.rotation.abs() <= MAX_UV;
+    let degrees = f64::from(t.rotation).to_degrees();
+    in_range(format!("{place}.rotation"), degrees, ok, "at most 57 million degrees either way")
 }
 
 /// The environment; its brightest texel counts.

@@ -9,3 +9,4 @@ mod agree;
 mod bsdf;
 mod fast;
 mod naive;
+mod report;

@@ -176,6 +176,59 @@ pub(crate) fn materials() -> Vec<(String, Scene)> {
     list.into_iter().map(|(name, kind)| (name, ball(kind))).collect()
 }
 
+/// Coat and sheen, each on the ball of a stage.
+pub(crate) fn layers() -> Vec<(String, Scene)> {
+    let blue = Rgb::new(0.1, 0.3, 0.7);
+    let mut list = Vec::new();
+    let mut add = |name: &str, change: &dyn Fn(&mut Principled)| {
+        let kind = principled(|p| {
+            (p.roughness, p.base_color) = (0.5, blue);
+            change(p);
+        });
+        list.push((name.to_owned(), ball(kind)));
+    };
+    add("rough coat", &|p| (p.coat, p.coat_roughness) = (0.9, 0.4));
+    add("smooth coat over a rough base", &|p| (p.coat, p.coat_ior) = (1.0, 1.8));
+    add("rough coat over a smooth base", &|p| (p.coat, p.coat_roughness, p.roughness) = (0.7, 0.6, 0.0));
+    add("smooth coat over smooth metal", &|p| (p.coat, p.roughness, p.metallic) = (0.8, 0.0, 1.0));
+    add("rough coat over metal", &|p| (p.coat, p.coat_roughness, p.metallic) = (1.0, 0.3, 1.0));
+    add("coat over smooth glass", &|p| {
+        (p.coat, p.coat_roughness, p.roughness, p.transmission) = (0.5, 0.5, 0.0, 1.0);
+    });
+    add("coat over rough glass", &|p| (p.coat, p.coat_roughness, p.transmission) = (0.5, 0.7, 1.0));
+    add("coat over emission", &|p| {
+        (p.coat, p.coat_ior, p.coat_roughness) = (1.0, 2.2, 0.5);
+        p.emission = Rgb::new(2.0, 1.0, 0.5);
+    });
+    add("smooth coat and sheen over emission", &|p| {
+        (p.coat, p.coat_ior, p.sheen_color) = (1.0, 2.2, Rgb::new(0.9, 0.2, 0.1));
+        p.emission = Rgb::new(2.0, 1.0, 0.5);
+    });
+    add("coat of index one", &|p| (p.coat, p.coat_ior, p.coat_roughness) = (1.0, 1.0, 0.5));
+    for roughness in [0.0, 0.2, 0.5, 1.0] {
+        add(&format!("sheen of roughness {roughness}"), &|p| {
+            (p.sheen_color, p.sheen_roughness) = (Rgb::new(1.0, 0.8, 0.4), roughness);
+        });
+    }
+    add("sheen over nothing but diffuse", &|p| {
+        (p.sheen_color, p.sheen_roughness, p.specular) = (Rgb::new(0.3, 0.8, 0.4), 0.4, 0.0);
+    });
+    add("sheen over coat", &|p| {
+        (p.coat, p.coat_roughness, p.sheen_color) = (0.9, 0.2, Rgb::new(0.3, 0.8, 0.4));
+    });
+    // A flat lamp under a coat: what a light sample must dim, at all angles.
+    let mut lamp = dark_stage();
+    lamp.sphere(MIDDLE, 1.0, diffuse(0.7));
+    let coated = principled(|p| {
+        p.base_color = Rgb::grey(0.2);
+        (p.coat, p.coat_ior, p.coat_roughness) = (1.0, 2.5, 0.3);
+        p.emission = Rgb::new(4.0, 3.0, 2.0);
+    });
+    lamp.quad(DVec3::new(0.0, 4.0, 0.0), 5.0 * DVec3::X, 5.0 * DVec3::Z, coated);
+    list.push(("coated lamp".to_owned(), lamp));
+    list
+}
+
 /// Lights of every kind, each on a stage without other light.
 pub(crate) fn lights() -> Vec<(String, Scene)> {
     let above = DVec3::new(2.0, 4.0, 1.0);

@@ -1,7 +1,7 @@
 //! The JSON of a glTF file as the `gltf` crate's document types, read element by element.
 //!
 //! Each element is deserialised alone: an error names its place, and parts that we never read
-//! (animations, images, textures, skins) cannot make a valid file fail.
+//! (animations, skins) cannot make a valid file fail.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -20,6 +20,9 @@ pub(super) struct Document {
     pub(super) cameras: Vec<json::Camera>,
     pub(super) lights: Vec<Light>,
     pub(super) materials: Vec<json::Material>,
+    pub(super) textures: Vec<json::Texture>,
+    pub(super) samplers: Vec<json::texture::Sampler>,
+    pub(super) images: Vec<json::Image>,
     /// Materials that have neither `pbrMetallicRoughness` nor anything else that shades.
     pub(super) bare_materials: HashSet<usize>,
     pub(super) meshes: Vec<json::Mesh>,
@@ -98,6 +101,9 @@ pub(super) fn parse(text: &[u8]) -> Result<Document, Fault> {
         cameras: elements(&mut root, "cameras", "")?,
         lights,
         materials: elements(&mut root, "materials", "")?,
+        textures: elements(&mut root, "textures", "")?,
+        samplers: elements(&mut root, "samplers", "")?,
+        images: elements(&mut root, "images", "")?,
         bare_materials,
         meshes: elements(&mut root, "meshes", "")?,
         nodes: elements(&mut root, "nodes", "")?,

@@ -3,6 +3,9 @@
 //! The graph is checked to be a forest first, and then walked with a stack of our own: chains of any
 //! length are fine. Transforms are multiplied in 64 bits.
 
+use std::collections::HashSet;
+use std::path::Path;
+
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json;
 use json::validation::Checked;
@@ -15,23 +18,29 @@ use super::accessor::{Reader, get};
 use super::document::Document;
 use super::light::Lights;
 use super::mesh::Meshes;
-use super::{material, sphere};
-use crate::scene::{Camera, FovAxis, Material, MaterialId, NoteEffect, Object, Projection, Scene, Shape};
+use super::texture::Textures;
+use super::{instancing, material, sphere};
+use crate::scene::{
+    Camera, FovAxis, Material, MaterialId, MaterialKind, MeshId, NoteEffect, Object, Projection, Scene, Shape,
+};
 
 /// Builds the scene that `doc` describes.
 pub(super) fn build(
     doc: &Document,
-    reader: Reader<'_>,
+    mut reader: Reader<'_>,
+    folder: &Path,
     options: &ReadOptions,
     notes: &mut Notes,
 ) -> Result<Scene, Fault> {
     check_forest(doc)?;
     let mut names = Names::default();
-    let materials = (0..doc.materials.len())
+    let mut textures = Textures::new(doc, folder);
+    let materials: Result<Vec<_>, Fault> = (0..doc.materials.len())
         .map(|i| {
             let name = doc.materials[i].name.as_deref().filter(|n| !n.is_empty());
             let name = names.unique(&name.map_or_else(|| format!("material {i}"), Into::into));
-            Material { name, kind: material::convert(doc, i, notes) }
+            let kind = material::convert(doc, i, &mut textures, &mut reader, notes)?;
+            Ok(Material { name, kind })
         })
         .collect();
     let mut builder = Builder {
@@ -43,7 +52,8 @@ pub(super) fn build(
         default_material: None,
         material_names: names,
         camera_names: Names::default(),
-        scene: Scene { title: doc.title.clone(), materials, ..Scene::default() },
+        unlike: HashSet::new(),
+        scene: Scene { title: doc.title.clone(), materials: materials?, ..Scene::default() },
     };
     let mut stack: Vec<(usize, DAffine3)> =
         doc.roots.iter().rev().map(|&r| (r, DAffine3::IDENTITY)).collect();
@@ -58,7 +68,7 @@ pub(super) fn build(
         stack.extend(node.children.iter().flatten().rev().map(|c| (c.value(), world)));
     }
     let meshes = builder.meshes.list;
-    Ok(Scene { meshes, ..builder.scene })
+    Ok(Scene { meshes, images: textures.finish(), ..builder.scene })
 }
 
 /// Every node has at most one parent, the scene's roots have none, and nothing goes round in circles.
@@ -141,6 +151,8 @@ struct Builder<'d> {
     default_material: Option<MaterialId>,
     material_names: Names,
     camera_names: Names,
+    /// Meshes and materials that have been held against each other.
+    unlike: HashSet<(MeshId, MaterialId)>,
     scene: Scene,
 }
 
@@ -168,7 +180,14 @@ impl Builder<'_> {
             self.scene.lights.push(light);
         }
         if let Some(mesh) = node.mesh {
-            self.mesh(mesh.value(), node, name, world, place)?;
+            match instancing::read(node, place, &mut self.reader)? {
+                None => self.mesh(mesh.value(), node, name, world, place)?,
+                Some(list) => {
+                    for own in list {
+                        self.mesh(mesh.value(), node, name, world * own, place)?;
+                    }
+                }
+            }
         } else if node.camera.is_none() && light.is_none() {
             self.empty(index, node, place);
         }
@@ -197,6 +216,9 @@ impl Builder<'_> {
         let mesh_name = mesh.name.as_deref().filter(|n| !n.is_empty());
         let mesh_name = mesh_name.map_or_else(|| format!("mesh {index}"), Into::into);
         let name = name.unwrap_or(&mesh_name).to_owned();
+        if !world.is_finite() {
+            return Err(Fault::invalid(place, "a transform that is not finite", "finite numbers"));
+        }
         if world.matrix3.determinant() == 0.0 {
             let message = "an object that its transform flattens is left out";
             self.notes.add("object-flattened", NoteEffect::Missing, place, message);
@@ -207,28 +229,60 @@ impl Builder<'_> {
                 let material = mesh.primitives.first().and_then(|p| p.material);
                 let material =
                     self.material(material.map(|m| m.value()), &format!("meshes[{index}].primitives[0]"))?;
-                self.object(name, Shape::Sphere { radius }, material, transform);
-                return Ok(());
+                return self.object(name, Shape::Sphere { radius }, material, transform, place);
             }
             let message =
                 "a sphere under a transform that is no rotation and uniform scale: the mesh is kept";
             self.notes.add("sphere-ignored", NoteEffect::Differs, place, message);
         }
+        let weights = node.weights.as_ref().or(mesh.weights.as_ref()).map_or(&[][..], |w| w);
         for (k, primitive) in mesh.primitives.iter().enumerate() {
             let at = format!("meshes[{index}].primitives[{k}]");
             let part =
                 if mesh.primitives.len() > 1 { format!("{mesh_name}[{k}]") } else { mesh_name.clone() };
-            let id = self.meshes.get(primitive, &part, &at, &mut self.reader, self.notes)?;
+            let id = self.meshes.get(primitive, weights, &part, &at, &mut self.reader, self.notes)?;
             if let Some(id) = id {
                 let material = self.material(primitive.material.map(|m| m.value()), &at)?;
-                self.object(name.clone(), Shape::Mesh(id), material, world);
+                self.compare(id, material, &at);
+                self.object(name.clone(), Shape::Mesh(id), material, world, place)?;
             }
         }
         Ok(())
     }
 
-    fn object(&mut self, name: String, shape: Shape, material: MaterialId, transform: DAffine3) {
+    /// Notes what a material asks of its mesh in vain; `place` is that of the primitive.
+    fn compare(&mut self, mesh: MeshId, material: MaterialId, place: &str) {
+        let MaterialKind::Principled(p) = &self.scene.materials[material.0 as usize].kind else { return };
+        if !self.unlike.insert((mesh, material)) {
+            return;
+        }
+        let mesh = &self.meshes.list[mesh.0 as usize];
+        if let Some((_, t)) = p.textures.iter().find(|(_, t)| mesh.uvs[usize::from(t.uv_set)].is_empty()) {
+            let message = format!(
+                "the material's textures lie on TEXCOORD_{}, which is not there: they show one texel",
+                t.uv_set
+            );
+            self.notes.add("uvs-missing", NoteEffect::Differs, format!("{place}.attributes"), message);
+        }
+        if !mesh.colors.is_empty() && p.base_color.is_black() && !p.emission.is_black() {
+            let message = "vertex colours do not tint what a surface emits";
+            let place = format!("{place}.attributes.COLOR_0");
+            self.notes.add("vertex-colors-ignored", NoteEffect::Differs, place, message);
+        }
+    }
+
+    fn object(
+        &mut self,
+        name: String,
+        shape: Shape,
+        material: MaterialId,
+        transform: DAffine3,
+        place: &str,
+    ) -> Result<(), Fault> {
+        // Nodes times primitives, and instances, can be far more than the file is long.
+        self.reader.budget.charge_bytes(1, (size_of::<Object>() + name.len()) as u64, place)?;
         self.scene.objects.push(Object { name, shape, material, transform, visible_to_camera: true });
+        Ok(())
     }
 
     /// The material of a primitive at `place`; glTF's default where it names none.

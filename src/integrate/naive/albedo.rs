@@ -36,6 +36,11 @@ pub(super) enum Lobe {
         /// n_inside / n_outside.
         eta: f64,
     },
+    /// Reflection with the Fresnel factor of `eta`.
+    Coat {
+        /// n_inside / n_outside.
+        eta: f64,
+    },
     /// Reflection and transmission together, without tint and without 1/eta^2.
     Dielectric {
         /// n_transmitted / n_incident.
@@ -54,11 +59,34 @@ impl Curves {
             Lobe::Reflection => (0, 1.0),
             Lobe::Layer { eta } => (1, eta),
             Lobe::Dielectric { eta } => (2, eta),
+            Lobe::Coat { eta } => (3, eta),
         };
         let key = (kind, alpha.to_bits(), eta.to_bits());
         let curve = self.0.entry(key).or_insert_with(|| {
             let rule = gauss(NODES);
             Arc::new(Curve::new(|mu| albedo(lobe, Ggx { alpha }, mu, &rule)))
+        });
+        Arc::clone(curve)
+    }
+
+    /// The curve of a lobe that is `f` times its cosine, of `wo` and `wi`, known by `key`.
+    pub(super) fn of_value(&mut self, key: f64, f: impl Fn(DVec3, DVec3) -> f64) -> Arc<Curve> {
+        let curve = self.0.entry((4, key.to_bits(), 0)).or_insert_with(|| {
+            let rule = gauss(NODES);
+            Arc::new(Curve::new(|mu| {
+                let wo = DVec3::new(((1.0 - mu) * (1.0 + mu)).sqrt(), 0.0, mu);
+                // Gauss's rule in the square root of the cosine, and in half a turn of the azimuth.
+                let ring = |[x, weight]: &[f64; 2]| {
+                    let z = x * x;
+                    let r = (1.0 - z * z).sqrt();
+                    let at = |[y, w]: &[f64; 2]| {
+                        let phi = PI * y;
+                        w * f(wo, DVec3::new(r * libm::cos(phi), r * libm::sin(phi), z))
+                    };
+                    2.0 * PI * weight * 2.0 * x * z * rule.iter().map(at).sum::<f64>()
+                };
+                rule.iter().map(ring).sum()
+            }))
         });
         Arc::clone(curve)
     }
@@ -126,7 +154,7 @@ fn albedo(lobe: Lobe, ggx: Ggx, mu: f64, rule: &[[f64; 2]]) -> f64 {
                 let f0 = fresnel::exact(1.0, eta);
                 (fresnel::exact(wo.dot(h), eta) - f0) / (1.0 - f0)
             }
-            Lobe::Dielectric { eta } => fresnel::exact(wo.dot(h), eta),
+            Lobe::Coat { eta } | Lobe::Dielectric { eta } => fresnel::exact(wo.dot(h), eta),
         };
         if wi.z > 0.0 { share * ggx.g2(wo, wi) } else { 0.0 }
     };
@@ -150,7 +178,7 @@ fn albedo(lobe: Lobe, ggx: Ggx, mu: f64, rule: &[[f64; 2]]) -> f64 {
         let faces = if along < 0.0 { mu / -along } else { f64::INFINITY };
         let mut sum = 0.0;
         match lobe {
-            Lobe::Reflection | Lobe::Layer { .. } => {
+            Lobe::Reflection | Lobe::Layer { .. } | Lobe::Coat { .. } => {
                 sum += over_slopes(ggx, phi, [0.0, reflects], rule, |h| reflected(h) * visible(h));
             }
             Lobe::Dielectric { eta } => {

@@ -129,9 +129,15 @@ impl Surface {
         }
     }
 
-    /// Radiance emitted to a viewer on the front or the back.
-    pub(super) fn emitted(&self, front: bool) -> DVec3 {
-        if front || self.both_sides { self.emission } else { DVec3::ZERO }
+    /// Radiance emitted to the viewer at `wo`.
+    pub(super) fn emitted(&self, vertex: &Vertex) -> DVec3 {
+        if !vertex.front && !self.both_sides {
+            return DVec3::ZERO;
+        }
+        match &self.bsdf {
+            Bsdf::Principled(p) => self.emission * p.layers.below(vertex.ng.dot(vertex.wo).abs()),
+            _ => self.emission,
+        }
     }
 
     /// The medium of the segment along `wi`, where that before the vertex was `medium`.

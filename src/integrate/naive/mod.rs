@@ -25,7 +25,7 @@
 //! negative; a sampled direction that disagrees ends the path. A path leaves its triangle for good; a
 //! sphere is met again from inside only.
 //!
-//! *Emission*: [`crate::scene::MaterialKind::emission`]; a `Light` reflects nothing.
+//! *Emission*: [`crate::scene::MaterialKind::emission`], below coat and sheen; a `Light` reflects nothing.
 //!
 //! *Media.* A path starts in none. Refraction from the front to the back of a surface enters its
 //! absorption, refraction to the front leaves into none. Each segment, shadow rays included, multiplies
@@ -35,12 +35,13 @@
 //! it crosses; the sun's disk and the environment are seen where nothing is hit. Camera rays (depth 0)
 //! see neither lights, environment nor objects whose `visible_to_camera` is false; all other rays do.
 //!
-//! *Materials*: the files `material.rs` and `principled.rs` state theirs.
+//! *Materials*: the files `material.rs`, `principled.rs` and `layers.rs` state theirs.
 
 mod albedo;
 mod camera;
 mod fresnel;
 mod geometry;
+mod layers;
 mod light;
 mod material;
 mod medium;

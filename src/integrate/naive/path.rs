@@ -98,7 +98,7 @@ impl Tracer {
             // Emission of the surface.
             let Some(surface) = self.surfaces.get(hit.material) else { break };
             let vertex = Vertex::new(hit.ng, hit.ns, -d);
-            radiance += beta * surface.emitted(vertex.front);
+            radiance += beta * surface.emitted(&vertex);
             if depth == max_depth {
                 break;
             }

@@ -4,7 +4,7 @@
 //!
 //! f = m f_metal + (1-m) [ t f_trans + (1-t) ( f_spec + (1 - A(mu_o)) base/pi ) ]
 //!
-//! Everything but transmission is the same from both sides. GGX of alpha = roughness^2 with
+//! below the layers of [`super::layers`]. Everything but transmission is the same from both sides. GGX of alpha = roughness^2 with
 //! height-correlated Smith masking: f_ss = F D G2 / (4 mu_i mu_o); below alpha = [`SMOOTH`] the lobes are
 //! deltas. E is the directional albedo of f_ss with F = 1, E_avg its hemispherical average; a lobe with
 //! average Fresnel factor Favg is compensated by 1 + Fms (1-E)/E, Fms = Favg E_avg / (1 - Favg (1-E_avg))
@@ -31,6 +31,7 @@ use glam::DVec3;
 
 use super::albedo::{Curve, Curves, Lobe, average_fresnel};
 use super::fresnel;
+use super::layers::Layers;
 use super::material::{Scatter, cosine_hemisphere, reflect, refract};
 use super::microfacet::Ggx;
 use super::rgb;
@@ -50,6 +51,8 @@ pub(super) struct Principled {
     thin: bool,
     ior: f64,
     layer: Layer,
+    /// Coat and sheen.
+    pub(super) layers: Layers,
     /// None where smooth.
     rough: Option<Rough>,
 }
@@ -85,6 +88,8 @@ struct Mixture {
     reflect: f64,
     /// A half vector, to reflect at with the probability that Fresnel gives, and else to pass.
     split: f64,
+    /// A half vector of the coat, to reflect at.
+    coat: f64,
 }
 
 impl Principled {
@@ -118,12 +123,19 @@ impl Principled {
             thin: p.thin,
             ior,
             layer,
+            layers: Layers::new(p, curves),
             rough,
         }
     }
 
     /// The BSDF without its delta lobes, sr^-1. `front`: whether `wo` is on the front side.
     pub(super) fn f(&self, wo: DVec3, wi: DVec3, front: bool) -> DVec3 {
+        let below = self.layers.below(wo.z) * self.f_below(wo, wi, front);
+        if wi.z > 0.0 { below + self.layers.f(wo, wi) } else { below }
+    }
+
+    /// What is below coat and sheen.
+    fn f_below(&self, wo: DVec3, wi: DVec3, front: bool) -> DVec3 {
         let [metal, trans, layered] = self.shares();
         let mut f = DVec3::ZERO;
         if wi.z > 0.0 {
@@ -236,9 +248,10 @@ impl Principled {
         } else if !self.thin && self.ior == 1.0 {
             transmitted += trans * self.transmission_tint;
         }
+        let below = self.layers.below(wo.z);
         let lobes = [
-            Scatter { wi: reflect(wo, DVec3::Z), weight: reflected },
-            Scatter { wi: beyond, weight: transmitted },
+            Scatter { wi: reflect(wo, DVec3::Z), weight: below * reflected + self.layers.delta(wo.z) },
+            Scatter { wi: beyond, weight: below * transmitted },
         ];
         lobes.into_iter().filter(|lobe| lobe.weight != DVec3::ZERO).collect()
     }
@@ -246,16 +259,18 @@ impl Principled {
     fn mixture(&self) -> Mixture {
         let [metal, trans, layered] = self.shares();
         let diffuse = layered * self.base.max_element();
+        let coat = self.layers.half_vectors().map_or(0.0, |(_, share)| share);
+        let wide = self.layers.wide();
         if self.rough.is_none() {
-            return Mixture { cosine: [diffuse, 0.0], reflect: 0.0, split: 0.0 };
+            return Mixture { cosine: [diffuse + wide, 0.0], reflect: 0.0, split: 0.0, coat };
         }
         let trans = if !self.thin && self.ior == 1.0 { 0.0 } else { trans };
         let layer = if self.layer.f0 > 0.0 { 0.5 * layered } else { 0.0 };
         let reflect = metal + layer;
         let split = trans;
         // A little of the hemisphere bounds the weights; more would thin out long paths inside glass.
-        let cosine = [diffuse + 0.02 * (reflect + split), 0.02 * split];
-        Mixture { cosine, reflect, split }
+        let cosine = [diffuse + 0.02 * (reflect + split) + wide, 0.02 * split];
+        Mixture { cosine, reflect, split, coat }
     }
 
     /// A direction from the mixture; none where what was drawn leads nowhere.
@@ -270,6 +285,11 @@ impl Principled {
             return Some(below(cosine_hemisphere(rng)));
         }
         u -= mixture.cosine[1];
+        if u < mixture.coat {
+            let h = self.layers.half_vectors()?.0.sample(rng);
+            return Some(reflect(wo, h)).filter(|wi| wo.dot(h) > 0.0 && wi.z > 0.0);
+        }
+        u -= mixture.coat;
         let h = self.rough.as_ref()?.ggx.sample(rng);
         if wo.dot(h) <= 0.0 {
             return None;
@@ -293,6 +313,10 @@ impl Principled {
     fn pdf(&self, mixture: &Mixture, wo: DVec3, wi: DVec3, front: bool) -> f64 {
         let up = DVec3::new(wi.x, wi.y, wi.z.abs());
         let mut pdf = mixture.cosine[usize::from(wi.z < 0.0)] * up.z * FRAC_1_PI;
+        if let Some((ggx, _)) = self.layers.half_vectors().filter(|_| wi.z > 0.0) {
+            let h = (wo + wi).normalize();
+            pdf += mixture.coat * ggx.pdf(h) * 0.25 / wo.dot(h);
+        }
         if let Some(rough) = &self.rough {
             // The half vector, |d h / d wi|, and how often it is used in this way.
             let h = (wo + up).normalize();
@@ -318,7 +342,7 @@ impl Principled {
 
 impl Mixture {
     fn total(&self) -> f64 {
-        self.cosine[0] + self.cosine[1] + self.reflect + self.split
+        self.cosine[0] + self.cosine[1] + self.reflect + self.split + self.coat
     }
 }
 

@@ -7,10 +7,10 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::names::Word;
+use super::names::{AlphaWord, Word};
 use super::up::Up;
-use super::value::{Angle, Color, Expected, NameOr, Named, Placement, Rotation};
-use crate::scene::{AreaShape, FovAxis, Sides, SpotFalloff, ToneCurve};
+use super::value::{Angle, Color, Expected, NameOr, Named, OneOrTwo, Placement, Rotation};
+use crate::scene::{AreaShape, Channel, Filter, FovAxis, Sides, SpotFalloff, ToneCurve, Wrap};
 
 /// A scene for epsilux. Lengths are metres, colours linear Rec. 709, radiance is in W sr^-1 m^-2.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -36,6 +36,9 @@ pub(super) struct Document {
     /// Cameras by name; the first is used where none is asked for.
     #[serde(default)]
     pub(super) camera: Named<CameraTable>,
+    /// Pictures that textures and the environment use, by name.
+    #[serde(default)]
+    pub(super) image: Named<NameOr<ImageTable>>,
     /// Materials by name.
     #[serde(default)]
     pub(super) material: Named<MaterialTable>,
@@ -107,6 +110,51 @@ pub(super) struct LensTable {
     pub(super) focus: f64,
 }
 
+/// A picture in a file of its own.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a picture: { file }")]
+pub(super) struct ImageTable {
+    /// For people; the table's own name where left out.
+    pub(super) name: Option<String>,
+    /// Where it lies, below the scene's folder.
+    pub(super) file: String,
+}
+
+impl Expected for ImageTable {
+    const EXPECTED: &'static str = "the file of a picture, such as \"wood.png\", or { file = \"wood.png\" }";
+}
+
+/// A picture laid over a surface: its `image` by name, or its `file`.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "a texture: { image } or { file }")]
+#[schemars(extend("oneOf" = [{ "required": ["image"] }, { "required": ["file"] }]))]
+pub(super) struct TextureTable {
+    /// Name of a picture of the table `image`.
+    pub(super) image: Option<String>,
+    /// Instead of image: where the picture lies, below the scene's folder.
+    pub(super) file: Option<String>,
+    /// Which set of the mesh's texture coordinates, 0 (uvs) or 1 (uvs2); 0 where left out.
+    pub(super) uv_set: u8,
+    /// Added to the texture coordinates last, in pictures.
+    pub(super) offset: Option<[f32; 2]>,
+    /// Degrees by which the picture is turned clockwise about its top left corner.
+    pub(super) rotation: Option<Angle>,
+    /// Factor on the texture coordinates, or one for each; 2 shows the picture twice as often.
+    pub(super) scale: Option<OneOrTwo<f32>>,
+    /// What lies beyond the edges, or beyond left and right, then top and bottom; "repeat" where left out.
+    pub(super) wrap: Option<OneOrTwo<Word<Wrap>>>,
+    /// What lies between texels; "linear" where left out.
+    pub(super) filter: Word<Filter>,
+    /// Of textures that stand for a number: which channel counts; "a" for alpha, else "r" where left out.
+    pub(super) channel: Option<Word<Channel>>,
+    /// Of normal maps: factor on their slope; 1 where left out.
+    pub(super) strength: Option<f32>,
+}
+
+impl Expected for TextureTable {
+    const EXPECTED: &'static str = "the name of an image, or a table such as { image, scale } or { file }";
+}
+
 /// A material: exactly one of diffuse, mirror, glass, light, principled.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a material such as { diffuse = [0.8, 0.8, 0.8] }")]
@@ -149,7 +197,8 @@ pub(super) struct AbsorptionTable {
     pub(super) distance: f32,
 }
 
-/// glTF's metallic-roughness material with transmission, ior, specular, volume and emission.
+/// glTF's metallic-roughness material with transmission, ior, specular, volume, emission, alpha, coat and
+/// sheen. A texture multiplies the number or colour of its name.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a principled material such as { base_color, metallic, roughness }")]
 pub(super) struct PrincipledTable {
@@ -175,6 +224,51 @@ pub(super) struct PrincipledTable {
     pub(super) absorption: Option<AbsorptionTable>,
     /// Emitted radiance; black where left out.
     pub(super) emission: Option<Color>,
+    /// How much of the surface is there, 0 to 1; 1 where left out.
+    pub(super) alpha: Option<f32>,
+    /// What alpha does. Where left out: "mask" if there is a cutoff, "blend" if there is an alpha or a
+    /// texture of it, else "opaque".
+    pub(super) alpha_mode: Option<Word<AlphaWord>>,
+    /// Of alpha_mode "mask": the alpha from which the surface is there; 0.5 where left out.
+    pub(super) cutoff: Option<f32>,
+    /// Weight of a clear coat, 0 to 1; 0 where left out.
+    pub(super) coat: Option<f32>,
+    /// Roughness of the coat, 0 to 1; 0 where left out.
+    pub(super) coat_roughness: Option<f32>,
+    /// Index of refraction of the coat; 1.5 where left out.
+    pub(super) coat_ior: Option<f32>,
+    /// Reflectance of a layer of fibres, 0 to 1; black where left out.
+    pub(super) sheen_color: Option<Color>,
+    /// Roughness of the sheen, 0 to 1; 0.5 where left out.
+    pub(super) sheen_roughness: Option<f32>,
+    /// Picture for base_color.
+    pub(super) base_color_texture: Option<NameOr<TextureTable>>,
+    /// Picture for alpha.
+    pub(super) alpha_texture: Option<NameOr<TextureTable>>,
+    /// Picture for metallic.
+    pub(super) metallic_texture: Option<NameOr<TextureTable>>,
+    /// Picture for roughness.
+    pub(super) roughness_texture: Option<NameOr<TextureTable>>,
+    /// Normal map (+y is up in the picture) of everything but the coat.
+    pub(super) normal_texture: Option<NameOr<TextureTable>>,
+    /// Picture for emission.
+    pub(super) emission_texture: Option<NameOr<TextureTable>>,
+    /// Picture for specular.
+    pub(super) specular_texture: Option<NameOr<TextureTable>>,
+    /// Picture for specular_color.
+    pub(super) specular_color_texture: Option<NameOr<TextureTable>>,
+    /// Picture for transmission.
+    pub(super) transmission_texture: Option<NameOr<TextureTable>>,
+    /// Picture for coat.
+    pub(super) coat_texture: Option<NameOr<TextureTable>>,
+    /// Picture for coat_roughness.
+    pub(super) coat_roughness_texture: Option<NameOr<TextureTable>>,
+    /// Normal map of the coat.
+    pub(super) coat_normal_texture: Option<NameOr<TextureTable>>,
+    /// Picture for sheen_color.
+    pub(super) sheen_color_texture: Option<NameOr<TextureTable>>,
+    /// Picture for sheen_roughness.
+    pub(super) sheen_roughness_texture: Option<NameOr<TextureTable>>,
 }
 
 /// A triangle mesh; counter-clockwise is the front. Lists are empty or as long as `positions`.
@@ -398,12 +492,29 @@ pub(super) struct AreaTable {
 
 /// What is seen where nothing is hit.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "an environment: { radiance }")]
+#[serde(deny_unknown_fields, expecting = "an environment: { radiance } or { image }")]
+#[schemars(extend("anyOf" = [{ "required": ["radiance"] }, { "required": ["image"] }]))]
 pub(super) struct EnvironmentTable {
     /// For people; "environment" where left out.
     pub(super) name: Option<String>,
-    /// Radiance from every direction.
-    pub(super) radiance: Color,
+    /// Radiance from every direction, or a factor on the image; white where there is an image.
+    pub(super) radiance: Option<Color>,
+    /// Picture of all directions, equirectangular: name of an image, or { file }.
+    pub(super) image: Option<NameOr<FileTable>>,
+    /// Degrees by which the image is turned about the up axis, counter-clockwise seen from above.
+    pub(super) rotation: Option<Angle>,
     /// Whether the camera sees it directly; true where left out.
     pub(super) visible_to_camera: Option<bool>,
+}
+
+/// A picture that only one place uses.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a picture: { file }")]
+pub(super) struct FileTable {
+    /// Where it lies, below the scene's folder.
+    pub(super) file: String,
+}
+
+impl Expected for FileTable {
+    const EXPECTED: &'static str = "the name of an image, or { file = \"sky.hdr\" }";
 }
