@@ -37,7 +37,9 @@ pub(super) fn differences(
     let tolerance = held.tolerance();
     objects(a, b, notes, tolerance, &mut found);
     let all = !notes.iter().any(|n| n.code == "material-unused");
-    by_name("material", materials(a, all), materials(b, all), tolerance, &["material-changed"], &mut found);
+    let textured = !notes.iter().any(|n| n.code == "texture-lost");
+    let list = |s| materials(s, all, textured);
+    by_name("material", list(a), list(b), tolerance, &["material-changed"], &mut found);
     // Lights need no unique names; their order is kept.
     let lights = |s: &Scene| s.lights.iter().enumerate().map(|(i, l)| (i.to_string(), written(l))).collect();
     by_name("light", lights(a), lights(b), tolerance, &["light-lost"], &mut found);
@@ -115,12 +117,15 @@ fn close(a: &str, b: &str, tolerance: f64) -> bool {
         })
 }
 
-/// Every material by name, or every one that is used, with the content of pictures in place of their numbers.
-fn materials(s: &Scene, all: bool) -> Vec<(String, String)> {
+/// Every material by name, or every one that is used, with or without its textures, with the content of pictures in place of their numbers.
+fn materials(s: &Scene, all: bool, textured: bool) -> Vec<(String, String)> {
     let used = |i: usize| s.objects.iter().any(|o| o.material.0 as usize == i);
     let kind = |kind: &MaterialKind| {
         let mut kind = kind.clone();
         if let MaterialKind::Principled(p) = &mut kind {
+            if !textured {
+                p.textures = Textures::default();
+            }
             name_pictures(&mut p.textures, &s.images);
         }
         written(&kind)
@@ -273,7 +278,7 @@ fn objects<'a>(a: &Scene, b: &Scene, notes: &[Note], tolerance: f64, found: &mut
                 if said("vertex-alpha-lost") {
                     c[3] = 1.0;
                 }
-                if said("value-clamped") {
+                if said("value-clamped") || said("vertex-colors-clamped") {
                     c[..3].iter_mut().for_each(|c| *c = c.min(1.0));
                 }
             }
