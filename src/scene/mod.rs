@@ -17,6 +17,7 @@ mod note;
 pub(crate) mod notes;
 mod pictures;
 mod repair;
+pub(crate) mod tangents;
 pub mod text;
 mod texture;
 mod validate;

@@ -10,6 +10,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json;
 use json::validation::Checked;
 
+use super::super::budget::Budget;
 use super::super::error::Fault;
 use super::super::names::Names;
 use super::super::notes::Notes;
@@ -21,7 +22,8 @@ use super::mesh::Meshes;
 use super::texture::Textures;
 use super::{instancing, material, sphere, vendor};
 use crate::scene::{
-    Camera, FovAxis, Material, MaterialId, MaterialKind, MeshId, NoteEffect, Object, Projection, Scene, Shape,
+    Camera, FovAxis, Light, Material, MaterialId, MaterialKind, MeshId, NoteEffect, Object, Projection,
+    Scene, Shape,
 };
 
 /// Builds the scene that `doc` describes.
@@ -33,6 +35,7 @@ pub(super) fn build(
     notes: &mut Notes,
 ) -> Result<Scene, Fault> {
     check_forest(doc)?;
+    charge_nodes(doc, reader.budget)?;
     let mut names = Names::default();
     let mut textures = Textures::new(doc, folder);
     let materials: Result<Vec<_>, Fault> = (0..doc.materials.len())
@@ -79,6 +82,34 @@ pub(super) fn build(
     let mut scene = Scene { meshes: meshes.list, ..scene };
     vendor::scene(&doc.vendor, &mut scene, &mut textures, &mut reader, notes)?;
     Ok(Scene { images: textures.finish(), ..scene })
+}
+
+/// Charges for what stands at the nodes, before any of it is made: nodes times primitives, or nodes that
+/// share a long name, can be far more than the file is long.
+fn charge_nodes(doc: &Document, budget: &mut Budget) -> Result<(), Fault> {
+    for (i, node) in doc.nodes.iter().enumerate() {
+        let place = format!("nodes[{i}]");
+        if let Some(mesh) = node.mesh.and_then(|m| doc.meshes.get(m.value())) {
+            budget.charge_bytes(mesh.primitives.len() as u64, object_bytes(node, mesh), &place)?;
+        }
+        let name = |shared: Option<&String>| node.name.as_ref().or(shared).map_or(0, |n| n.len() as u64);
+        if let Some(camera) = node.camera.and_then(|c| doc.cameras.get(c.value())) {
+            // The list of names that are taken holds two more.
+            let camera = size_of::<Camera>() as u64 + 3 * name(camera.name.as_ref());
+            budget.charge_bytes(1, camera, &place)?;
+        }
+        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        if let Some(light) = light.and_then(|l| doc.lights.get(l.light.value())) {
+            budget.charge_bytes(1, size_of::<Light>() as u64 + name(light.name.as_ref()), &place)?;
+        }
+    }
+    Ok(())
+}
+
+/// What an object of `mesh` at `node` takes, with its name.
+fn object_bytes(node: &json::Node, mesh: &json::Mesh) -> u64 {
+    let name = node.name.as_ref().or(mesh.name.as_ref()).map_or(16, String::len);
+    (size_of::<Object>() + name) as u64
 }
 
 /// Every node has at most one parent, the scene's roots have none, and nothing goes round in circles.
@@ -208,6 +239,9 @@ impl Builder<'_> {
             match instancing::read(node, place, &mut self.reader)? {
                 None => self.mesh(mesh.value(), node, ours, name, world, place)?,
                 Some(list) => {
+                    let source = get(&self.doc.meshes, mesh.value(), &format!("{place}.mesh"))?;
+                    let count = (list.len() as u64).saturating_mul(source.primitives.len() as u64);
+                    self.reader.budget.charge_bytes(count, object_bytes(node, source), place)?;
                     for own in list {
                         self.mesh(mesh.value(), node, ours, name, world * own, place)?;
                     }
@@ -259,7 +293,8 @@ impl Builder<'_> {
                 let material = mesh.primitives.first().and_then(|p| p.material);
                 let material =
                     self.material(material.map(|m| m.value()), &format!("meshes[{index}].primitives[0]"))?;
-                return self.object(name, Shape::Sphere { radius }, material, transform, place);
+                self.object(name, Shape::Sphere { radius }, material, transform);
+                return Ok(());
             }
             let message =
                 "a sphere under a transform that is no rotation and uniform scale: the mesh is kept";
@@ -274,7 +309,7 @@ impl Builder<'_> {
             if let Some(id) = id {
                 let material = self.material(primitive.material.map(|m| m.value()), &at)?;
                 self.compare(id, material, &at);
-                self.object(name.clone(), Shape::Mesh(id), material, world, place)?;
+                self.object(name.clone(), Shape::Mesh(id), material, world);
             }
         }
         Ok(())
@@ -301,18 +336,8 @@ impl Builder<'_> {
         }
     }
 
-    fn object(
-        &mut self,
-        name: String,
-        shape: Shape,
-        material: MaterialId,
-        transform: DAffine3,
-        place: &str,
-    ) -> Result<(), Fault> {
-        // Nodes times primitives, and instances, can be far more than the file is long.
-        self.reader.budget.charge_bytes(1, (size_of::<Object>() + name.len()) as u64, place)?;
+    fn object(&mut self, name: String, shape: Shape, material: MaterialId, transform: DAffine3) {
         self.scene.objects.push(Object { name, shape, material, transform, visible_to_camera: true });
-        Ok(())
     }
 
     /// The material of a primitive at `place`; glTF's default where it names none.

@@ -126,6 +126,11 @@ impl<'d> Textures<'d> {
             notes.add("texture-missing", NoteEffect::Missing, place, message);
             return Ok(None);
         }
+        if sampler.is_some_and(is_odd) {
+            let message = "an unknown mode: the picture repeats, and is filtered linearly";
+            let place = format!("textures[{}].sampler", info.index);
+            notes.add("sampler-repaired", NoteEffect::Differs, place, message);
+        }
         let mut clamp = |key: &str, v: f32| {
             if v.abs() <= MAX_UV {
                 return v;
@@ -217,6 +222,14 @@ impl<'d> Textures<'d> {
         self.known[index] = Some(result.clone());
         Ok(result)
     }
+}
+
+/// Whether a sampler has a mode that glTF does not define.
+fn is_odd(sampler: &json::texture::Sampler) -> bool {
+    matches!(sampler.wrap_s, Checked::Invalid)
+        || matches!(sampler.wrap_t, Checked::Invalid)
+        || matches!(sampler.mag_filter, Some(Checked::Invalid))
+        || matches!(sampler.min_filter, Some(Checked::Invalid))
 }
 
 /// An unknown mode repeats, as the default does.

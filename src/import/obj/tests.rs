@@ -4,6 +4,7 @@ mod area;
 mod geometry;
 mod hostile;
 mod materials;
+mod room;
 mod sidecar;
 
 use std::fs;

@@ -17,12 +17,12 @@ fn it_adds_what_obj_cannot_hold() {
     let (mut scene, notes) = with(
         "title = \"a test\"
         render = { size = [64, 48], spp = 4 }
-        camera.front = { from = [0, 0, 5], to = [0, 0, 0], fov = 40 }
+        camera.front = { eye = [0, 0, 5], target = [0, 0, 0], fov = 40 }
         environment = { radiance = [0.1, 0.2, 0.3] }
         [material]
         red = { diffuse = [1, 0, 0] }
-        ball = { mirror = 0.5 }
-        spare = { mirror = 1 }
+        ball = { mirror = [0.5, 0.5, 0.5] }
+        spare = { mirror = [1, 1, 1] }
         [[object]]
         name = \"ball\"
         material = \"ball\"
@@ -33,7 +33,7 @@ fn it_adds_what_obj_cannot_hold() {
         rect = { corner = [0, 0, 0], edges = [[1, 0, 0], [0, 0, 1]] }
         [[light]]
         name = \"sun\"
-        sun = { irradiance = 3 }",
+        sun = { irradiance = [3, 3, 3] }",
     )
     .unwrap();
     assert_eq!(codes(&notes), ["material-missing", "material-unused"]);
