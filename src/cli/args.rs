@@ -59,7 +59,15 @@ Examples:
 
 An editor that knows TOML or JSON schemas then completes and checks scenes whose first line is
   #:schema epsilux.schema.json")]
-    Schema,
+    Schema(SchemaArgs),
+}
+
+/// Which schema.
+#[derive(Args, Debug)]
+pub(super) struct SchemaArgs {
+    /// Print that of the glTF extension EPSILUX_scene instead
+    #[arg(long)]
+    pub(super) extension: bool,
 }
 
 /// Where the scene is, and how to read it.
