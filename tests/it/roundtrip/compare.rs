@@ -5,8 +5,11 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use epsilux::glam::{DMat3, DVec3};
 use epsilux::scene::{
-    Environment, Image, ImageId, MaterialKind, Mesh, Note, Object, Scene, Shape, Texels, Textures,
+    Channel, Environment, Image, ImageId, MaterialKind, Mesh, Note, Object, Scene, Shape, Texels, Textures,
 };
+
+/// The channels of a colour.
+const RGB: [usize; 3] = [0, 1, 2];
 
 /// How well a format keeps numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +52,7 @@ pub(super) fn differences(
         found.push(("camera: another one is the first".into(), &[]));
     }
     let environment = |s: &Scene| written(&s.environment.as_ref().map(|e| sky(s, e)));
-    one("environment", &environment(a), &environment(b), tolerance, &["environment-image-lost"], &mut found);
+    one("environment", &environment(a), &environment(b), tolerance, &["texture-lost"], &mut found);
     one("settings", &written(&a.settings), &written(&b.settings), tolerance, &[], &mut found);
     one("title", &a.title, &b.title, 0.0, &["title-lost"], &mut found);
     let excused = |codes: &[&str]| notes.iter().any(|n| codes.contains(&n.code));
@@ -137,7 +140,7 @@ fn materials(s: &Scene, all: bool, textured: bool) -> Vec<(String, String)> {
 fn sky(s: &Scene, e: &Environment) -> Environment {
     let mut e = e.clone();
     if let Some(image) = &mut e.image {
-        image.image = content(image.image, &s.images);
+        image.image = content(image.image, &s.images, &RGB);
     }
     e
 }
@@ -146,7 +149,7 @@ fn name_pictures(t: &mut Textures, images: &[Image]) {
     for t in
         [&mut t.base_color, &mut t.emission, &mut t.specular_color, &mut t.sheen_color].into_iter().flatten()
     {
-        t.image = content(t.image, images);
+        t.image = content(t.image, images, &RGB);
     }
     let scalars = [
         &mut t.alpha,
@@ -159,22 +162,28 @@ fn name_pictures(t: &mut Textures, images: &[Image]) {
         &mut t.sheen_roughness,
     ];
     for t in scalars.into_iter().flatten() {
-        t.texture.image = content(t.texture.image, images);
+        let channel = [Channel::R, Channel::G, Channel::B, Channel::A].iter().position(|&c| c == t.channel);
+        t.texture.image = content(t.texture.image, images, &[channel.unwrap()]);
+        // Which one it is does not matter: formats put several numbers into one picture.
+        t.channel = Channel::R;
     }
     for t in [&mut t.normal, &mut t.coat_normal].into_iter().flatten() {
-        t.texture.image = content(t.texture.image, images);
+        t.texture.image = content(t.texture.image, images, &RGB);
     }
 }
 
-/// A number that stands for what a picture shows.
-fn content(id: ImageId, images: &[Image]) -> ImageId {
+/// A number that stands for what these channels of a picture show.
+fn content(id: ImageId, images: &[Image], channels: &[usize]) -> ImageId {
     let mut hasher = DefaultHasher::new();
     let pixels = images[id.0 as usize].pixels.as_ref().unwrap();
     (pixels.width, pixels.height).hash(&mut hasher);
-    match &pixels.texels {
-        Texels::Byte(t) => t.hash(&mut hasher),
-        Texels::Short(t) => t.hash(&mut hasher),
-        Texels::Float(t) => t.iter().flatten().for_each(|c| c.to_bits().hash(&mut hasher)),
+    for &c in channels {
+        match &pixels.texels {
+            // A byte is as much as the short of the same share.
+            Texels::Byte(t) => t.iter().for_each(|t| (u16::from(t[c]) * 257).hash(&mut hasher)),
+            Texels::Short(t) => t.iter().for_each(|t| t[c].hash(&mut hasher)),
+            Texels::Float(t) => t.iter().for_each(|t| t.get(c).map(|v| v.to_bits()).hash(&mut hasher)),
+        }
     }
     ImageId(hasher.finish() as u32)
 }
@@ -249,7 +258,9 @@ fn print_mesh(mesh: &Mesh, o: &Object, empty: Print) -> Print {
     p.middle = over(p.middle);
     let seen = p.triangles > 0;
     p.normal = (seen && !mesh.normals.is_empty()).then(|| over(sums[0]));
-    p.uvs = [0, 1].map(|k| (seen && !mesh.uvs[k].is_empty()).then(|| over(sums[1 + k])));
+    // Zeros say nothing either: a set that is asked for and not there is written as zeros.
+    let has = |k: usize| mesh.uvs[k].iter().any(|uv| *uv != epsilux::glam::Vec2::ZERO);
+    p.uvs = [0, 1].map(|k| (seen && has(k)).then(|| over(sums[1 + k])));
     // White says nothing: some formats want a colour everywhere or nowhere.
     let white = mesh.colors.iter().all(|c| c.to_array() == [1.0; 4]);
     let color = over(sums[3]);
