@@ -3,9 +3,10 @@
 use std::fmt::Debug;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use epsilux::glam::{DMat3, DVec3};
+use epsilux::glam::{DMat3, DVec3, Vec2};
 use epsilux::scene::{
-    Channel, Environment, Image, ImageId, MaterialKind, Mesh, Note, Object, Scene, Shape, Texels, Textures,
+    Channel, Environment, Image, ImageId, MaterialKind, Mesh, Note, Object, ScalarTexture, Scene, Shape,
+    Texels, Textures,
 };
 
 /// The channels of a colour.
@@ -129,6 +130,12 @@ fn materials(s: &Scene, all: bool, textured: bool) -> Vec<(String, String)> {
             if !textured {
                 p.textures = Textures::default();
             }
+            // glTF has one picture for both: the other comes back with a channel that changes nothing.
+            for (slot, factor) in
+                [(&mut p.textures.metallic, p.metallic), (&mut p.textures.roughness, p.roughness)]
+            {
+                *slot = slot.filter(|t| factor != 0.0 && !is_full(t, &s.images));
+            }
             name_pictures(&mut p.textures, &s.images);
         }
         written(&kind)
@@ -162,13 +169,31 @@ fn name_pictures(t: &mut Textures, images: &[Image]) {
         &mut t.sheen_roughness,
     ];
     for t in scalars.into_iter().flatten() {
-        let channel = [Channel::R, Channel::G, Channel::B, Channel::A].iter().position(|&c| c == t.channel);
-        t.texture.image = content(t.texture.image, images, &[channel.unwrap()]);
+        t.texture.image = content(t.texture.image, images, &[index(t.channel)]);
         // Which one it is does not matter: formats put several numbers into one picture.
         t.channel = Channel::R;
     }
     for t in [&mut t.normal, &mut t.coat_normal].into_iter().flatten() {
         t.texture.image = content(t.texture.image, images, &RGB);
+    }
+}
+
+/// Whether a channel is one everywhere.
+fn is_full(t: &ScalarTexture, images: &[Image]) -> bool {
+    let channel = index(t.channel);
+    match &images[t.texture.image.0 as usize].pixels.as_ref().unwrap().texels {
+        Texels::Byte(texels) => texels.iter().all(|t| t[channel] == u8::MAX),
+        Texels::Short(texels) => texels.iter().all(|t| t[channel] == u16::MAX),
+        Texels::Float(texels) => texels.iter().all(|t| t.get(channel).is_none_or(|&v| v == 1.0)),
+    }
+}
+
+fn index(channel: Channel) -> usize {
+    match channel {
+        Channel::R => 0,
+        Channel::G => 1,
+        Channel::B => 2,
+        Channel::A => 3,
     }
 }
 
@@ -259,7 +284,7 @@ fn print_mesh(mesh: &Mesh, o: &Object, empty: Print) -> Print {
     let seen = p.triangles > 0;
     p.normal = (seen && !mesh.normals.is_empty()).then(|| over(sums[0]));
     // Zeros say nothing either: a set that is asked for and not there is written as zeros.
-    let has = |k: usize| mesh.uvs[k].iter().any(|uv| *uv != epsilux::glam::Vec2::ZERO);
+    let has = |k: usize| mesh.uvs[k].iter().any(|uv| *uv != Vec2::ZERO);
     p.uvs = [0, 1].map(|k| (seen && has(k)).then(|| over(sums[1 + k])));
     // White says nothing: some formats want a colour everywhere or nowhere.
     let white = mesh.colors.iter().all(|c| c.to_array() == [1.0; 4]);
