@@ -76,10 +76,18 @@ fn libraries(
     log: &mut Log,
 ) -> Result<HashMap<String, Source>, Fault> {
     let mut sources: HashMap<String, Source> = HashMap::new();
+    let mut tried = 0;
     let wanted: HashSet<&str> = parsed.materials.iter().map(|(name, _)| &**name).collect();
     for (named, number) in &parsed.libraries {
         for name in library_names(named, folder) {
             let place = line(*number);
+            tried += 1;
+            if tried > parse::MAX_LIBRARIES {
+                let message =
+                    format!("more than {} material libraries: the others are not read", parse::MAX_LIBRARIES);
+                log.add("mtllib-ignored", NoteEffect::Missing, place, message);
+                return Ok(sources);
+            }
             let text = match library(&name, folder, &place, budget) {
                 Ok(text) => text,
                 Err(fault) => {

@@ -24,7 +24,7 @@ pub(super) const NONE: u32 = u32::MAX;
 /// The most vertices of a kind: indices are `u32`, and [`NONE`] is taken.
 const MAX_VERTICES: usize = u32::MAX as usize - 1;
 /// The most material libraries that one file may name.
-const MAX_LIBRARIES: usize = 256;
+pub(super) const MAX_LIBRARIES: usize = 256;
 
 /// A corner of a face: indices of position, texture coordinates and normal, the last two maybe [`NONE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
