@@ -76,8 +76,9 @@ pub(crate) fn transcript(cases: Vec<Case>) -> String {
             Some(4) => {
                 assert_eq!(out, "", "{}", case.name);
                 // A file that the scene names is named itself, with the place that names it.
-                let is_named = case.files.iter().any(|(name, _)| err.contains(name.as_str()));
-                let is_placed = is_named || err.contains(" names it)");
+                // The scene itself, or what belongs to it by name, such as `scene.epsilux.toml`.
+                let stem = case.scene.trim_end_matches(|c| c != '.');
+                let is_placed = err.contains(stem) || err.contains(" names it)");
                 // A mistake in the text form is shown with its line.
                 let is_error = err.starts_with("error: ") || err.trim_start().starts_with('\u{d7}');
                 assert!(is_error && is_placed, "{}: {err}", case.name);
