@@ -13,7 +13,7 @@ mod tests;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use image::codecs::{bmp, hdr, jpeg, png, tga, webp};
+use image::codecs;
 use image::{ColorType, ImageDecoder, ImageResult};
 
 use super::budget::{Budget, filled};
@@ -192,12 +192,12 @@ fn decoder(bytes: &[u8], format: ImageFormat) -> ImageResult<Box<dyn ImageDecode
     limits.max_alloc = Some(8 * MAX_PIXELS);
     let from = Cursor::new(bytes);
     Ok(match format {
-        ImageFormat::Png => Box::new(png::PngDecoder::with_limits(from, png_limits(limits))?),
-        ImageFormat::Jpeg => Box::new(jpeg::JpegDecoder::new(from)?),
-        ImageFormat::Webp => Box::new(webp::WebPDecoder::new(from)?),
-        ImageFormat::Bmp => Box::new(bmp::BmpDecoder::new(from)?),
-        ImageFormat::Tga => Box::new(tga::TgaDecoder::new(from)?),
-        ImageFormat::Hdr | ImageFormat::Exr => Box::new(hdr::HdrDecoder::new_nonstrict(from)?),
+        ImageFormat::Png => Box::new(codecs::png::PngDecoder::with_limits(from, png_limits(limits))?),
+        ImageFormat::Jpeg => Box::new(codecs::jpeg::JpegDecoder::new(from)?),
+        ImageFormat::Webp => Box::new(codecs::webp::WebPDecoder::new(from)?),
+        ImageFormat::Bmp => Box::new(codecs::bmp::BmpDecoder::new(from)?),
+        ImageFormat::Tga => Box::new(codecs::tga::TgaDecoder::new(from)?),
+        ImageFormat::Hdr | ImageFormat::Exr => Box::new(codecs::hdr::HdrDecoder::new_nonstrict(from)?),
     })
 }
 

@@ -268,12 +268,29 @@ impl LightSet {
         }
     }
 
+    /// The radiance that a surface which is a light was given: what it emits, but where a picture varies
+    /// that.
+    #[inline]
+    #[must_use]
+    pub fn nominal(&self, light: LightId) -> Rgb {
+        match self.emitters[light.0 as usize] {
+            Emitter::Triangle { radiance, .. }
+            | Emitter::Rectangle { radiance, .. }
+            | Emitter::Sphere { radiance, .. } => radiance,
+            _ => Rgb::BLACK,
+        }
+    }
+
     /// Density, choice of the light included, with which [`Self::sample`] would have found the point `q`
     /// with normal `n` of a light.
     #[inline]
     #[must_use]
     pub fn pdf(&self, ctx: &LightContext, light: LightId, q: Vec3, n: Vec3) -> f32 {
-        let density = match &self.emitters[light.0 as usize] {
+        let emitter = &self.emitters[light.0 as usize];
+        if emitter.is_flat_under(ctx.from) {
+            return 0.0;
+        }
+        let density = match emitter {
             Emitter::Triangle { shape, .. } => shape.pdf(ctx.p, q),
             Emitter::Rectangle { shape, .. } => shape.pdf(ctx.p, q),
             Emitter::Ellipse { shape, .. } => shape.pdf(ctx.p, q),
@@ -292,6 +309,9 @@ impl LightSet {
         let (i, pmf) = self.pick.sample(ctx.p, u[0])?;
         let uv = [u[1], u[2]];
         let emitter = &self.emitters[i];
+        if emitter.is_flat_under(ctx.from) {
+            return None;
+        }
         match emitter {
             Emitter::Triangle { shape, radiance, both_sides, primitive } => {
                 surface(ctx, shape.sample(ctx.p, uv)?, *radiance, *both_sides, None, pmf, *primitive)
@@ -435,6 +455,17 @@ impl LightSet {
 }
 
 impl Emitter {
+    /// Whether the light is flat and `from` a part of it: it then does not light what lies on it, though
+    /// rounding may put that a little beside its plane, from where it would fill half of all directions.
+    #[inline]
+    fn is_flat_under(&self, from: PrimitiveId) -> bool {
+        match self {
+            Self::Triangle { primitive, .. } => *primitive == from,
+            Self::Rectangle { primitives: Some(ids), .. } => ids.contains(&from),
+            _ => false,
+        }
+    }
+
     /// Points whose bounding box holds the light, where it has a place.
     pub(super) fn corners(&self) -> Vec<Vec3> {
         match self {

@@ -7,6 +7,7 @@ mod bytes;
 mod command;
 mod compare;
 mod convert;
+mod fixtures;
 mod help;
 mod hostile;
 mod mistakes;

@@ -263,7 +263,7 @@ pub(crate) fn panoramas() -> Vec<(String, Scene)> {
     let matt = || principled(|p| p.roughness = 0.4);
     let bytes = (0..6u8).map(|i| [200 - 40 * i, 30 * i, 120, 255]).collect();
     let shorts = (0..3u16).map(|i| [60_000 - 20_000 * i, 30_000 * i, 12_000, 65_535]).collect();
-    let rough_glass = principled(|p| (p.roughness, p.transmission) = (0.4, 1.0));
+    let rough_glass = || principled(|p| (p.roughness, p.transmission) = (0.4, 1.0));
     let coat = principled(|p| (p.coat, p.sheen_color) = (1.0, Rgb::new(0.3, 0.8, 0.4)));
     let mut hidden = under(lit(diffuse(0.6)), [16, 8], float(&gradient));
     if let Some(sky) = &mut hidden.environment {
@@ -274,9 +274,10 @@ pub(crate) fn panoramas() -> Vec<(String, Scene)> {
     [
         ("picture with a sun", under(lit(matt()), [16, 8], float(&sun))),
         ("picture with a sun, diffuse", under(lit(diffuse(0.7)), [16, 8], float(&sun))),
-        ("picture with a sun, glass of roughness", under(lit(rough_glass), [16, 8], float(&sun))),
+        ("picture with a sun, glass of roughness", under(lit(rough_glass()), [16, 8], float(&sun))),
         ("picture with a sun and a lamp", lamps),
         ("picture of a gradient", under(lit(matt()), [16, 8], float(&gradient))),
+        ("picture of a gradient, glass of roughness", under(lit(rough_glass()), [16, 8], float(&gradient))),
         ("picture of a gradient, coat and sheen", under(lit(coat), [16, 8], float(&gradient))),
         ("picture of a gradient, mirror", under(lit(super::scenes::mirror(0.9)), [16, 8], float(&gradient))),
         ("hidden picture", hidden),
@@ -404,7 +405,15 @@ fn emissive_surfaces() -> Vec<(&'static str, Scene)> {
     if let Some(lamp) = mirrored.objects.last_mut() {
         lamp.transform = placed(DVec3::new(1.0, -1.0, 1.0), 0.4, DVec3::new(0.5, 4.0, 0.0));
     }
+    // A sheet that glows and reflects what the lamp sends.
+    let mut sheet = stage();
+    let glowing_sheet = principled(|p| {
+        p.roughness = 0.5;
+        p.emission = Rgb::new(0.6, 0.4, 0.8);
+    });
+    sheet.quad(DVec3::new(0.2, 1.3, 0.0), 2.0 * DVec3::X, DVec3::new(0.0, 2.0, 0.3), glowing_sheet);
     vec![
+        ("a sheet that glows and reflects", sheet),
         ("triangles that shine on both sides", triangles),
         ("inside of a sphere that glows and reflects", inside),
         ("a ball that glows and reflects", glowing),

@@ -269,8 +269,8 @@ impl Parsed {
             let message = "a vertex colour outside 0 to 1: clamped";
             log.add("value-clamped", NoteEffect::Differs, line(statement.line), message);
         }
-        // `max` first: it drops NaN.
-        let linear = color.map(|c| srgb_to_linear(c.max(0.0).min(1.0)));
+        // What is not a number is black.
+        let linear = color.map(|c| if c.is_nan() { 0.0 } else { srgb_to_linear(c.clamp(0.0, 1.0)) });
         push(&mut self.colors, Vec3::from(linear), statement, meter)
     }
 

@@ -93,7 +93,7 @@ fn hostile_files_are_refused_or_loaded_with_notes() {
                 .map(|i| format!("v {i} 0 0\nv 0 1 0\nv 0 0 1\nusemtl m{i}\nf -1 -2 -3\n"))
                 .collect::<String>()),
         ),
-        ("deep call", obj("call scene.obj\ncsh touch x\nv 0 0 0\n")),
+        ("deep call", obj("call scene.obj\ncsh touch harm\nv 0 0 0\n")),
         ("library of itself", obj("mtllib scene.obj\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3")),
         ("library outside", obj("mtllib ../../../../etc/passwd\nmtllib /etc/passwd\nv 0 0 0")),
         ("library is a folder", obj("mtllib .\nmtllib ..\nv 0 0 0")),
