@@ -15,17 +15,21 @@ pub mod from_blender {}
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
+#[doc = include_str!("report.md")]
+pub mod report {}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 5] = [
+    const PAGES: [(&str, &str); 6] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
         ("numbers.md", include_str!("numbers.md")),
+        ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),
     ];
 

@@ -102,9 +102,9 @@ fn rows() -> Vec<(&'static str, Slips, Shortcuts)> {
 #[test]
 #[ignore = "takes minutes: prints the table of the guide"]
 fn price_of_each_shortcut() {
-    let (size, rays) = (128, 1024);
+    let (size, rays) = (64, 256);
     let scene = hexroom();
-    let reference = by_default(&scene, size, 2 * rays, None);
+    let reference = by_default(&scene, size, 4 * rays, None);
     for (name, slips, shortcuts) in rows() {
         let image = by_report(&scene, size, rays, 0, slips, shortcuts);
         let mut line = format!("{name:14}");
