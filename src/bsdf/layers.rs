@@ -11,12 +11,10 @@
 //! The sheen is glTF's, which Blender's importer and Cycles replace by another lobe: at roughness 0.5
 //! its albedo at 0, 60 and 80 degrees is .027, .188 and .453, that of Cycles .019, .154 and .458.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
 use super::fresnel::dielectric;
-use super::tables::AlbedoRow;
+use super::tables::Albedo;
 use super::{SMOOTH_ALPHA, ggx};
 use crate::color::Rgb;
 use crate::math::{self, INV_PI, PI, sin_cos_turn};
@@ -31,7 +29,7 @@ pub struct Coat {
     /// Index of refraction, above one.
     pub ior: f32,
     /// Albedo of the whole lobe at weight one; `None` where smooth.
-    pub albedo: Option<Arc<AlbedoRow>>,
+    pub albedo: Option<Albedo>,
 }
 
 impl Coat {
@@ -160,7 +158,7 @@ pub struct Sheen {
     /// The lobe.
     pub lobe: Charlie,
     /// Albedo of the white lobe.
-    pub albedo: Arc<AlbedoRow>,
+    pub albedo: Albedo,
 }
 
 impl Sheen {
@@ -192,6 +190,7 @@ impl Sheen {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tables::AlbedoRow;
     use super::*;
 
     /// Guards Charlie's lobe against albedos computed elsewhere, and the row's interpolation between its

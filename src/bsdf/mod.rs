@@ -64,8 +64,9 @@ impl BsdfSample {
     }
 }
 
-/// A prepared material.
+/// A prepared material. It lies on the stack where it is made for a hit, so nothing in it is boxed.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant)]
 pub enum Bsdf {
     /// Absorbs everything.
     Black,
@@ -76,7 +77,7 @@ pub enum Bsdf {
     /// A smooth dielectric.
     Glass(Glass),
     /// Everything else.
-    Principled(Box<Principled>),
+    Principled(Principled),
 }
 
 /// True where both directions lie strictly on the same side.

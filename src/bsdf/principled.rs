@@ -9,14 +9,12 @@
 //!
 //! With alpha below [`SMOOTH_ALPHA`] the dielectric and metallic lobes are delta lobes.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
 use super::dielectric::RoughDielectric;
 use super::fresnel::{dielectric, schlick};
 use super::layers::{Coat, Sheen};
-use super::tables::AlbedoRow;
+use super::tables::Albedo;
 use super::{BsdfSample, Diffuse, Glass, SMOOTH_ALPHA, Transport, ggx, same_side};
 use crate::color::Rgb;
 
@@ -30,7 +28,7 @@ pub struct Specular {
     /// The index whose reflectance at normal incidence is `f0`.
     pub eta: f32,
     /// Share of the grazing term in the lobe's albedo; `None` for a smooth layer.
-    pub grazing: Option<Arc<AlbedoRow>>,
+    pub grazing: Option<Albedo>,
     /// Cosine-weighted average of the Fresnel term.
     pub average: Rgb,
 }
@@ -67,7 +65,7 @@ pub struct Principled {
     /// The specular layer; `None` where the index is one or the layer is off.
     pub specular: Option<Specular>,
     /// Albedo of the uncompensated white reflection lobe; `None` where smooth.
-    pub white: Option<Arc<AlbedoRow>>,
+    pub white: Option<Albedo>,
     /// The transmissive lobes where rough.
     pub rough: Option<RoughDielectric>,
     /// The transmissive lobes where smooth.

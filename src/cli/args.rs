@@ -32,6 +32,7 @@ Examples:
   epsilux demo                                       a picture without any file: hexroom.png
   epsilux render scenes/hexroom.toml -o room.png     render a scene
   epsilux explain scenes/hexroom.toml                what would be simulated, and why
+  epsilux convert scenes/hexroom.toml room.obj       the same scene in another format
   epsilux compare room.exr reference.exr             is the difference more than noise?
 
 Exit codes:
@@ -48,6 +49,7 @@ pub(super) enum Command {
     Render(RenderArgs),
     Explain(ExplainArgs),
     Info(InfoArgs),
+    Convert(ConvertArgs),
     Compare(CompareArgs),
     Demo(DemoArgs),
     /// Print the JSON Schema of the scene's text form, for editors
@@ -220,6 +222,35 @@ pub(super) struct InfoArgs {
     /// Print JSON (epsilux.info/1)
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// Convert a scene into another format, chosen by the suffix of OUT
+///
+/// Notes say what was not understood of IN, and what OUT cannot hold. Pictures are copied into the folder
+/// NAME.images beside OUT. Files that are there are replaced, but never the scene that is read.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+What is written:
+  .toml  epsilux's own form: everything, for people
+  .json  the same, for programs
+  .obj   triangles; NAME.mtl with the materials as far as MTL goes, and NAME.epsilux.toml
+         with all the rest: cameras, lights, spheres, environment, other materials
+
+Examples:
+  epsilux convert scenes/hexroom.toml room.json
+  epsilux convert scenes/hexroom.toml room.obj --strict
+      nothing is written if anything would be lost")]
+pub(super) struct ConvertArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+
+    /// The file to write
+    #[arg(value_name = "OUT")]
+    pub(super) output: PathBuf,
+
+    /// Write nothing (exit code 5) where something would be lost or changed
+    #[arg(long)]
+    pub(super) strict: bool,
 }
 
 /// Compare two images, and say whether their difference is more than noise

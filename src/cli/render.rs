@@ -24,7 +24,7 @@ use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tra
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
 use crate::prepare::{self, EffectsMode, Plan, PrepareError};
-use crate::scene::{Camera, Note, Scene, text};
+use crate::scene::{Camera, Note, Scene, Texels, text};
 
 pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) -> Result<Code, Failure> {
     let begin = Instant::now();
@@ -35,7 +35,7 @@ pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) 
     let loaded = load::load(&args.scene)?;
     let job = Job::from_args(args, &loaded.scene, outputs)?;
     if args.strict {
-        notes::refuse(&loaded.notes)?;
+        notes::refuse(&loaded.notes, notes::RENDERED)?;
     }
     job.run(loaded, begin, arguments, console)
 }
@@ -318,7 +318,7 @@ impl Job {
         };
         let tracer = Tracer::new(scene, &options).map_err(failure)?;
         if self.strict {
-            notes::refuse(tracer.notes())?;
+            notes::refuse(tracer.notes(), notes::RENDERED)?;
         }
         if !self.quiet {
             notes::show(tracer.notes(), self.verbose, console);
@@ -512,9 +512,18 @@ fn reason(refusal: Refusal) -> &'static str {
     }
 }
 
-/// SHA-256 of the scene's canonical form.
+/// SHA-256 of the scene's canonical form and of its pictures, which that only names.
 fn scene_hash(scene: &Scene) -> String {
-    Sha256::digest(text::to_json(scene)).iter().map(|b| format!("{b:02x}")).collect()
+    let mut hash = Sha256::new_with_prefix(text::to_json(scene));
+    for pixels in scene.images.iter().filter_map(|i| i.pixels.as_ref()) {
+        hash.update(pixels.width.to_le_bytes());
+        match &pixels.texels {
+            Texels::Byte(t) => t.iter().for_each(|t| hash.update(t)),
+            Texels::Short(t) => t.iter().flatten().for_each(|c| hash.update(c.to_le_bytes())),
+            Texels::Float(t) => t.iter().flatten().for_each(|c| hash.update(c.to_le_bytes())),
+        }
+    }
+    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// Drops the layers that were not asked for.

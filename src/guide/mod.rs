@@ -12,6 +12,12 @@ pub mod scene_format {}
 #[doc = include_str!("from-blender.md")]
 pub mod from_blender {}
 
+#[doc = include_str!("convert.md")]
+pub mod convert {}
+
+#[doc = include_str!("from-obj.md")]
+pub mod from_obj {}
+
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
@@ -24,10 +30,12 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 6] = [
+    const PAGES: [(&str, &str); 8] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
+        ("convert.md", include_str!("convert.md")),
+        ("from-obj.md", include_str!("from-obj.md")),
         ("numbers.md", include_str!("numbers.md")),
         ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),
@@ -108,12 +116,19 @@ mod tests {
     #[test]
     fn notes_in_the_guide_exist() {
         let sources = [
+            include_str!("../export/obj/mod.rs"),
             include_str!("../import/gltf/extension.rs"),
             include_str!("../import/gltf/light.rs"),
             include_str!("../import/gltf/material.rs"),
             include_str!("../import/gltf/mesh.rs"),
             include_str!("../import/gltf/mod.rs"),
             include_str!("../import/gltf/node.rs"),
+            include_str!("../import/obj/clean.rs"),
+            include_str!("../import/obj/material.rs"),
+            include_str!("../import/obj/mod.rs"),
+            include_str!("../import/obj/parse.rs"),
+            include_str!("../import/obj/sidecar.rs"),
+            include_str!("../import/obj/texture.rs"),
             include_str!("../scene/defaults.rs"),
         ];
         let mut count = 0;

@@ -63,6 +63,8 @@ pub(crate) enum Fault {
     Text { error: Box<TextError>, text: String },
     /// Becomes [`ImportError::Unsupported`].
     Unsupported { place: String, feature: String, help: String },
+    /// About another file than the one that is read, which it names itself.
+    Elsewhere(Box<ImportError>),
 }
 
 impl Fault {
@@ -88,6 +90,7 @@ impl Fault {
             Self::Unsupported { place, feature, help } => {
                 format!("{place}: {feature} is not supported; {help}")
             }
+            Self::Elsewhere(error) => error.to_string(),
         }
     }
 
@@ -98,6 +101,7 @@ impl Fault {
             Self::Invalid { found, expected, .. } => format!("found {found}, expected {expected}"),
             Self::Text { error, .. } => error.to_string(),
             Self::Unsupported { feature, help, .. } => format!("{feature} is not supported; {help}"),
+            Self::Elsewhere(error) => error.to_string(),
         }
     }
 
@@ -112,6 +116,7 @@ impl Fault {
             Self::Unsupported { place, feature, help } => {
                 ImportError::Unsupported { path: file.into(), place, feature, help }
             }
+            Self::Elsewhere(error) => *error,
         }
     }
 }

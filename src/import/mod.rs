@@ -144,7 +144,7 @@ mod tests {
         DIR/scene: suffix: a file without a suffix is not supported; readable are .gltf and .glb (glTF 2.0), .obj, and .toml and .json with the key `epsilux`
         DIR/empty.gltf: line 1 column 0 of the JSON text: found a fault (EOF while parsing a value), expected JSON
         gltf.json: 0 objects
-        DIR/scene.json: line 1, column 16: unknown key `asset`; expected one of `$schema`, `epsilux`, `title`, `up`, `render`, `camera`, `material`, `mesh`, `object`, `light`, `environment`
+        DIR/scene.json: line 1, column 16: unknown key `asset`; expected one of `$schema`, `epsilux`, `title`, `up`, `render`, `camera`, `image`, `material`, `mesh`, `object`, `light`, `environment`
         DIR/scene.toml: line 2, column 1: unknown key `objct`; did you mean `object`?
         DIR/latin1.toml: byte 14: found an invalid sequence, expected UTF-8
         DIR/missing.glb: no such file

@@ -13,10 +13,10 @@ mod tests;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use image::codecs::{bmp, hdr, jpeg, png, tga, webp};
+use image::codecs;
 use image::{ColorType, ImageDecoder, ImageResult};
 
-use super::budget::Budget;
+use super::budget::{Budget, filled};
 use super::error::Fault;
 use crate::scene::{ImageFormat, MAX_RADIANCE, MAX_SIDE, Pixels, Texels};
 
@@ -99,7 +99,13 @@ fn title(format: ImageFormat) -> &'static str {
 /// A stream that does not hold what its header promises.
 fn broken(format: ImageFormat, reason: &str, place: &str) -> Fault {
     let title = title(format);
+    // Without what the decoder says about itself, and on one line.
+    let reason = match reason.strip_prefix("Format error decoding ").and_then(|r| r.split_once(": ")) {
+        Some((_, reason)) => reason,
+        None => reason,
+    };
     let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
+    let reason = reason.split(" while decoding ").next().unwrap_or_default();
     Fault::invalid(place, format!("a broken {title} picture ({reason})"), format!("a whole {title}"))
 }
 
@@ -124,18 +130,6 @@ fn check_size(
         });
     }
     budget.charge_bytes(width * height, texel, place)
-}
-
-/// `count` copies of `value`, or a fault where there is no memory for them.
-fn filled<T: Clone>(count: usize, value: T, place: &str) -> Result<Vec<T>, Fault> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count).map_err(|_| Fault::Unsupported {
-        place: place.into(),
-        feature: format!("a picture that takes {} bytes of memory", count * size_of::<T>()),
-        help: "there is not as much free; use a smaller picture".into(),
-    })?;
-    list.resize(count, value);
-    Ok(list)
 }
 
 /// Decodes what the `image` package reads.
@@ -198,12 +192,12 @@ fn decoder(bytes: &[u8], format: ImageFormat) -> ImageResult<Box<dyn ImageDecode
     limits.max_alloc = Some(8 * MAX_PIXELS);
     let from = Cursor::new(bytes);
     Ok(match format {
-        ImageFormat::Png => Box::new(png::PngDecoder::with_limits(from, png_limits(limits))?),
-        ImageFormat::Jpeg => Box::new(jpeg::JpegDecoder::new(from)?),
-        ImageFormat::Webp => Box::new(webp::WebPDecoder::new(from)?),
-        ImageFormat::Bmp => Box::new(bmp::BmpDecoder::new(from)?),
-        ImageFormat::Tga => Box::new(tga::TgaDecoder::new(from)?),
-        ImageFormat::Hdr | ImageFormat::Exr => Box::new(hdr::HdrDecoder::new_nonstrict(from)?),
+        ImageFormat::Png => Box::new(codecs::png::PngDecoder::with_limits(from, png_limits(limits))?),
+        ImageFormat::Jpeg => Box::new(codecs::jpeg::JpegDecoder::new(from)?),
+        ImageFormat::Webp => Box::new(codecs::webp::WebPDecoder::new(from)?),
+        ImageFormat::Bmp => Box::new(codecs::bmp::BmpDecoder::new(from)?),
+        ImageFormat::Tga => Box::new(codecs::tga::TgaDecoder::new(from)?),
+        ImageFormat::Hdr | ImageFormat::Exr => Box::new(codecs::hdr::HdrDecoder::new_nonstrict(from)?),
     })
 }
 

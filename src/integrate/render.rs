@@ -13,8 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::kernels::{Kernel, kernel};
-use super::li::Counters;
-use crate::accel::{PrimitiveId, RayKind};
+use super::li::{Counters, first_surface};
 use crate::film::{Features, Film, FilmLayout, Refusal, Sample};
 use crate::prepare::Prepared;
 use crate::sampling::warp::square_to_disk;
@@ -181,11 +180,9 @@ fn features(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Option<Features> {
     let address = Address::new(scene.seed, index, pass % k, pass / k);
     let u = address.block(0, Purpose::Camera, 0, 0);
     let ray = scene.camera.ray(pixel, [u[0], u[1]], || square_to_disk([u[2], u[3]]));
-    let hit = scene.accel.closest(&ray, PrimitiveId::NONE, RayKind::Camera)?;
-    let surface = scene.surface(&ray, &hit, true);
-    let material = scene.material_of(surface.object);
+    let (surface, material, albedo) = first_surface(scene, &address, ray)?;
     Some(Features {
-        albedo: scene.materials[material as usize].albedo,
+        albedo,
         normal: surface.ns.to_array(),
         depth: scene.camera.depth(surface.p),
         position: surface.p.to_array(),

@@ -82,6 +82,12 @@ fn layers() {
     check_all(features::layers(), [512, 1500], material_bound);
 }
 
+/// Guards pictures as environments: their lookup, and that what is sampled has the density it says.
+#[test]
+fn panoramas() {
+    check_all(features::panoramas(), [1024, 8000], |name| if name.contains("sun") { 0.15 } else { 0.05 });
+}
+
 /// Guards every kind of light, its falloff, its front and its visibility.
 #[test]
 fn lights() {

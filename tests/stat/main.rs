@@ -10,3 +10,4 @@ mod bsdf;
 mod fast;
 mod naive;
 mod report;
+mod textured;

@@ -11,7 +11,7 @@ use gltf::json;
 use json::accessor::{ComponentType, Type};
 use json::validation::Checked;
 
-use super::super::budget::Budget;
+use super::super::budget::{Budget, filled};
 use super::super::error::Fault;
 use super::super::file;
 use super::document::Document;
@@ -86,7 +86,7 @@ impl<'a> Reader<'a> {
         let (component, width) = layout(accessor, &place)?;
         self.base(accessor, component, width, &place)?;
         self.budget.charge_bytes(accessor.count.0, size_of::<[f32; N]>() as u64, &place)?;
-        let mut out = vec![[fill; N]; accessor.count.0 as usize];
+        let mut out = filled(accessor.count.0 as usize, [fill; N], &place)?;
         let normalized = accessor.normalized;
         let mut write = |to: usize, bytes: &[u8]| {
             for (slot, bytes) in out[to].iter_mut().zip(bytes.chunks_exact(component.size())) {
@@ -121,10 +121,10 @@ impl<'a> Reader<'a> {
         }
         self.base(accessor, component, width, &place)?;
         self.budget.charge_bytes(accessor.count.0, 4, &place)?;
-        let mut out = match self.base(accessor, component, width, &place)? {
-            Some(elements) => (0..elements.count).map(|i| integer(elements.get(i))).collect(),
-            None => vec![0; accessor.count.0 as usize],
-        };
+        let mut out = filled(accessor.count.0 as usize, 0, &place)?;
+        if let Some(elements) = self.base(accessor, component, width, &place)? {
+            out.iter_mut().enumerate().for_each(|(i, out)| *out = integer(elements.get(i)));
+        }
         if let Some((indices, values)) = self.sparse(accessor, component, width, &place)? {
             for (i, &to) in indices.iter().enumerate() {
                 out[to as usize] = integer(values.get(i));

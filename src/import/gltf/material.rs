@@ -17,8 +17,8 @@ use super::texture::{Info, Textures, extension};
 use crate::color::Rgb;
 use crate::scene::notes::Notes;
 use crate::scene::{
-    self, Absorption, AlphaMode, Channel, MaterialKind, NormalTexture, NoteEffect, Principled, ScalarTexture,
-    Texture,
+    self, Absorption, AlphaMode, Channel, MAX_RADIANCE, MaterialKind, NormalTexture, NoteEffect, Principled,
+    ScalarTexture, Texture,
 };
 
 /// `KHR_materials_clearcoat`, which the crate does not know yet.
@@ -93,8 +93,9 @@ pub(super) fn convert(
     let strength =
         from.number("extensions.KHR_materials_emissive_strength.emissiveStrength", strength, 0.0, f32::MAX);
     let mut emission = from.color("emissiveFactor", material.emissive_factor.0, f32::MAX) * strength;
-    if !emission.is_finite() {
-        emission = from.clamped("emissiveFactor", "an infinite emission", [0.0; 3]).into();
+    if !(emission.is_finite() && emission.max_channel() <= MAX_RADIANCE) {
+        let most = emission.map(|v| v.min(MAX_RADIANCE)).to_array();
+        emission = from.clamped("emissiveFactor", "an emission above 1e30", most).into();
     }
     slots.emission = from.texture("emissiveTexture", &material.emissive_texture)?;
     if material.emissive_texture.is_some() && slots.emission.is_none() {

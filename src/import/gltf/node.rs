@@ -10,18 +10,20 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json;
 use json::validation::Checked;
 
-use super::super::ReadOptions;
+use super::super::budget::Budget;
 use super::super::error::Fault;
 use super::super::names::Names;
 use super::super::notes::Notes;
+use super::super::{LightUnits, ReadOptions};
 use super::accessor::{Reader, get};
 use super::document::Document;
 use super::light::Lights;
 use super::mesh::Meshes;
 use super::texture::Textures;
-use super::{instancing, material, sphere};
+use super::{instancing, material, sphere, vendor};
 use crate::scene::{
-    Camera, FovAxis, Material, MaterialId, MaterialKind, MeshId, NoteEffect, Object, Projection, Scene, Shape,
+    Camera, FovAxis, Light, Material, MaterialId, MaterialKind, MeshId, NoteEffect, Object, Projection,
+    Scene, Shape,
 };
 
 /// Builds the scene that `doc` describes.
@@ -33,6 +35,7 @@ pub(super) fn build(
     notes: &mut Notes,
 ) -> Result<Scene, Fault> {
     check_forest(doc)?;
+    charge_nodes(doc, reader.budget)?;
     let mut names = Names::default();
     let mut textures = Textures::new(doc, folder);
     let materials: Result<Vec<_>, Fault> = (0..doc.materials.len())
@@ -40,14 +43,17 @@ pub(super) fn build(
             let name = doc.materials[i].name.as_deref().filter(|n| !n.is_empty());
             let name = names.unique(&name.map_or_else(|| format!("material {i}"), Into::into));
             let kind = material::convert(doc, i, &mut textures, &mut reader, notes)?;
+            let kind = vendor::material(&doc.materials[i], kind, &format!("materials[{i}]"), notes);
             Ok(Material { name, kind })
         })
         .collect();
+    let own = doc.is_own() && options.light_units == LightUnits::Auto;
+    let units = if own { LightUnits::Unitless } else { options.light_units };
     let mut builder = Builder {
         doc,
         reader,
         notes,
-        lights: Lights::new(options.light_units, doc.is_from_blender()),
+        lights: Lights::new(units, doc.is_from_blender()),
         meshes: Meshes::default(),
         default_material: None,
         material_names: names,
@@ -60,15 +66,50 @@ pub(super) fn build(
     while let Some((index, parent)) = stack.pop() {
         let node = &doc.nodes[index];
         let place = format!("nodes[{index}]");
-        let world = parent * local_transform(node, &place)?;
+        let ours = vendor::Node::read(node, &place, &doc.vendor, builder.notes);
+        let local = match ours.matrix(builder.notes) {
+            Some(exact) => exact,
+            None => local_transform(node, &place)?,
+        };
+        let world = parent * local;
         if !world.is_finite() {
             return Err(Fault::invalid(place, "a transform that is not finite", "finite numbers"));
         }
-        builder.node(index, node, world, &place)?;
+        builder.node(index, node, &ours, world, &place)?;
         stack.extend(node.children.iter().flatten().rev().map(|c| (c.value(), world)));
     }
-    let meshes = builder.meshes.list;
-    Ok(Scene { meshes, images: textures.finish(), ..builder.scene })
+    let Builder { mut reader, meshes, scene, notes, .. } = builder;
+    let mut scene = Scene { meshes: meshes.list, ..scene };
+    vendor::scene(&doc.vendor, &mut scene, &mut textures, &mut reader, notes)?;
+    Ok(Scene { images: textures.finish(), ..scene })
+}
+
+/// Charges for what stands at the nodes, before any of it is made: nodes times primitives, or nodes that
+/// share a long name, can be far more than the file is long.
+fn charge_nodes(doc: &Document, budget: &mut Budget) -> Result<(), Fault> {
+    for (i, node) in doc.nodes.iter().enumerate() {
+        let place = format!("nodes[{i}]");
+        if let Some(mesh) = node.mesh.and_then(|m| doc.meshes.get(m.value())) {
+            budget.charge_bytes(mesh.primitives.len() as u64, object_bytes(node, mesh), &place)?;
+        }
+        let name = |shared: Option<&String>| node.name.as_ref().or(shared).map_or(0, |n| n.len() as u64);
+        if let Some(camera) = node.camera.and_then(|c| doc.cameras.get(c.value())) {
+            // The list of names that are taken holds two more.
+            let camera = size_of::<Camera>() as u64 + 3 * name(camera.name.as_ref());
+            budget.charge_bytes(1, camera, &place)?;
+        }
+        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        if let Some(light) = light.and_then(|l| doc.lights.get(l.light.value())) {
+            budget.charge_bytes(1, size_of::<Light>() as u64 + name(light.name.as_ref()), &place)?;
+        }
+    }
+    Ok(())
+}
+
+/// What an object of `mesh` at `node` takes, with its name.
+fn object_bytes(node: &json::Node, mesh: &json::Mesh) -> u64 {
+    let name = node.name.as_ref().or(mesh.name.as_ref()).map_or(16, String::len);
+    (size_of::<Object>() + name) as u64
 }
 
 /// Every node has at most one parent, the scene's roots have none, and nothing goes round in circles.
@@ -158,7 +199,14 @@ struct Builder<'d> {
 
 impl Builder<'_> {
     /// Adds what stands at one node.
-    fn node(&mut self, index: usize, node: &json::Node, world: DAffine3, place: &str) -> Result<(), Fault> {
+    fn node(
+        &mut self,
+        index: usize,
+        node: &json::Node,
+        ours: &vendor::Node,
+        world: DAffine3,
+        place: &str,
+    ) -> Result<(), Fault> {
         let name = node.name.as_deref().filter(|n| !n.is_empty());
         if node.skin.is_some() {
             let message = "skins are not applied: the mesh is shown as modelled";
@@ -170,25 +218,40 @@ impl Builder<'_> {
             let name = name.or(source.name.as_deref()).unwrap_or("camera");
             self.camera(source, name, world, &format!("cameras[{}]", camera.value()));
         }
-        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
-        if let Some(light) = light {
+        let reference = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        let mut punctual = None;
+        let mut light_name = name.unwrap_or("light").to_owned();
+        if let Some(light) = reference {
             let i = light.light.value();
             let source = get(&self.doc.lights, i, &format!("{place}.extensions.KHR_lights_punctual.light"))?;
-            let name = name.or(source.name.as_deref()).unwrap_or("light").to_owned();
+            light_name = name.or(source.name.as_deref()).unwrap_or("light").to_owned();
             let light_place = format!("extensions.KHR_lights_punctual.lights[{i}]");
-            let light = self.lights.convert(source, name, world, &light_place, self.notes)?;
-            self.scene.lights.push(light);
+            if !ours.has_whole_light() {
+                let name = light_name.clone();
+                punctual = Some(self.lights.convert(source, name, world, &light_place, self.notes)?);
+            }
         }
+        let light = ours.light(punctual, &light_name, world, self.lights.nits(), self.notes);
+        let is_light = reference.is_some() || light.is_some();
+        self.scene.lights.extend(light);
         if let Some(mesh) = node.mesh {
+            let first = self.scene.objects.len();
             match instancing::read(node, place, &mut self.reader)? {
-                None => self.mesh(mesh.value(), node, name, world, place)?,
+                None => self.mesh(mesh.value(), node, ours, name, world, place)?,
                 Some(list) => {
+                    let source = get(&self.doc.meshes, mesh.value(), &format!("{place}.mesh"))?;
+                    let count = (list.len() as u64).saturating_mul(source.primitives.len() as u64);
+                    self.reader.budget.charge_bytes(count, object_bytes(node, source), place)?;
                     for own in list {
-                        self.mesh(mesh.value(), node, name, world * own, place)?;
+                        self.mesh(mesh.value(), node, ours, name, world * own, place)?;
                     }
                 }
             }
-        } else if node.camera.is_none() && light.is_none() {
+            if let Some(visible) = ours.visible_to_camera() {
+                self.scene.objects[first..].iter_mut().for_each(|o| o.visible_to_camera = visible);
+            }
+        } else if node.camera.is_none() && !is_light {
+            ours.sphere(false, self.notes);
             self.empty(index, node, place);
         }
         Ok(())
@@ -208,6 +271,7 @@ impl Builder<'_> {
         &mut self,
         index: usize,
         node: &json::Node,
+        ours: &vendor::Node,
         name: Option<&str>,
         world: DAffine3,
         place: &str,
@@ -224,12 +288,13 @@ impl Builder<'_> {
             self.notes.add("object-flattened", NoteEffect::Missing, place, message);
             return Ok(());
         }
-        if let Some(radius) = sphere::radius(node, place, self.notes) {
+        if let Some(radius) = ours.sphere(true, self.notes) {
             if let Some(transform) = sphere::placement(world) {
                 let material = mesh.primitives.first().and_then(|p| p.material);
                 let material =
                     self.material(material.map(|m| m.value()), &format!("meshes[{index}].primitives[0]"))?;
-                return self.object(name, Shape::Sphere { radius }, material, transform, place);
+                self.object(name, Shape::Sphere { radius }, material, transform);
+                return Ok(());
             }
             let message =
                 "a sphere under a transform that is no rotation and uniform scale: the mesh is kept";
@@ -244,7 +309,7 @@ impl Builder<'_> {
             if let Some(id) = id {
                 let material = self.material(primitive.material.map(|m| m.value()), &at)?;
                 self.compare(id, material, &at);
-                self.object(name.clone(), Shape::Mesh(id), material, world, place)?;
+                self.object(name.clone(), Shape::Mesh(id), material, world);
             }
         }
         Ok(())
@@ -271,18 +336,8 @@ impl Builder<'_> {
         }
     }
 
-    fn object(
-        &mut self,
-        name: String,
-        shape: Shape,
-        material: MaterialId,
-        transform: DAffine3,
-        place: &str,
-    ) -> Result<(), Fault> {
-        // Nodes times primitives, and instances, can be far more than the file is long.
-        self.reader.budget.charge_bytes(1, (size_of::<Object>() + name.len()) as u64, place)?;
+    fn object(&mut self, name: String, shape: Shape, material: MaterialId, transform: DAffine3) {
         self.scene.objects.push(Object { name, shape, material, transform, visible_to_camera: true });
-        Ok(())
     }
 
     /// The material of a primitive at `place`; glTF's default where it names none.
@@ -330,6 +385,8 @@ impl Builder<'_> {
         };
         let name = self.camera_names.unique(name);
         let aspect = aspect.filter(|a| a.is_finite() && *a > 0.0);
-        self.scene.cameras.push(Camera { name, transform, projection, shift: [0.0; 2], lens: None, aspect });
+        let mut camera = Camera { name, transform, projection, shift: [0.0; 2], lens: None, aspect };
+        vendor::camera(source, place, &mut camera, self.notes);
+        self.scene.cameras.push(camera);
     }
 }

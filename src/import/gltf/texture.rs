@@ -83,6 +83,18 @@ impl<'d> Textures<'d> {
         self.pictures.finish()
     }
 
+    /// The picture in the file that `uri` names, which the document does not list, or why there is none.
+    pub(super) fn file(
+        &mut self,
+        uri: &str,
+        place: &str,
+        reader: &mut Reader<'_>,
+        notes: &mut Notes,
+    ) -> Result<ImageId, String> {
+        let found = self.pictures.uri(uri, place, reader.budget, notes);
+        found.map_err(|fault| fault.reason(self.folder))
+    }
+
     /// The texture of a slot at `place`; `None`, with a note, where it has no picture.
     pub(super) fn get(
         &mut self,
@@ -113,6 +125,11 @@ impl<'d> Textures<'d> {
                 format!("the texture is left out: it lies on TEXCOORD_{uv_set}, and 0 and 1 are read");
             notes.add("texture-missing", NoteEffect::Missing, place, message);
             return Ok(None);
+        }
+        if sampler.is_some_and(is_odd) {
+            let message = "an unknown mode: the picture repeats, and is filtered linearly";
+            let place = format!("textures[{}].sampler", info.index);
+            notes.add("sampler-repaired", NoteEffect::Differs, place, message);
         }
         let mut clamp = |key: &str, v: f32| {
             if v.abs() <= MAX_UV {
@@ -169,7 +186,7 @@ impl<'d> Textures<'d> {
     }
 
     /// The picture at `index` of the document's images, or why there is none; `place` names it.
-    fn image(
+    pub(super) fn image(
         &mut self,
         index: usize,
         place: &str,
@@ -205,6 +222,14 @@ impl<'d> Textures<'d> {
         self.known[index] = Some(result.clone());
         Ok(result)
     }
+}
+
+/// Whether a sampler has a mode that glTF does not define.
+fn is_odd(sampler: &json::texture::Sampler) -> bool {
+    matches!(sampler.wrap_s, Checked::Invalid)
+        || matches!(sampler.wrap_t, Checked::Invalid)
+        || matches!(sampler.mag_filter, Some(Checked::Invalid))
+        || matches!(sampler.min_filter, Some(Checked::Invalid))
 }
 
 /// An unknown mode repeats, as the default does.

@@ -24,8 +24,6 @@ use crate::scene::{MAX_LENGTH, NoteEffect};
 const TRIANGLE_BYTES: u64 = 384;
 /// The same for a position, texture coordinate or normal: its line, and its numbers.
 const VERTEX_BYTES: u64 = 64;
-/// The most pairs of corners that polygons with ears may have in all: a bound on the time they take.
-const MAX_EAR_WORK: u64 = 20_000_000_000;
 
 /// A triangle with all that becomes of it.
 struct Triangle {
@@ -56,7 +54,6 @@ fn triangulate(parsed: &Parsed, budget: &mut Budget, log: &mut Log) -> Result<Ve
     let mut triangulator = Triangulator::default();
     let (mut triangles, mut cover) = (Vec::new(), Vec::new());
     let (mut used, mut points): (Vec<Corner>, Vec<DVec3>) = (Vec::new(), Vec::new());
-    let mut ear_work = 0_u64;
     let limit = Vec3::splat(MAX_LENGTH as f32);
     for (i, face) in parsed.faces.iter().enumerate() {
         let end = parsed.faces.get(i + 1).map_or(parsed.corners.len(), |next| next.start);
@@ -88,16 +85,6 @@ fn triangulate(parsed: &Parsed, budget: &mut Budget, log: &mut Log) -> Result<Ve
         let n = used.len() as u64;
         budget.charge_triangles(n.saturating_sub(2), &place())?;
         budget.charge_bytes(n.saturating_sub(2), TRIANGLE_BYTES, &place())?;
-        if n > 64 {
-            ear_work += n * n;
-            if ear_work > MAX_EAR_WORK {
-                return Err(Fault::Unsupported {
-                    place: place(),
-                    feature: "a file of so many polygons with so many corners".into(),
-                    help: "triangulate the mesh in the program that made it".into(),
-                });
-            }
-        }
         match triangulator.cover(&points, &mut cover) {
             Cover::Whole => {}
             Cover::Empty => {
@@ -109,8 +96,9 @@ fn triangulate(parsed: &Parsed, budget: &mut Budget, log: &mut Log) -> Result<Ve
                 log.add("crossing-face", NoteEffect::Differs, place(), message);
             }
             Cover::TooLarge => {
-                let message =
-                    format!("a face that is not convex has more than {MAX_CORNERS} corners: dropped");
+                let message = format!(
+                    "a face that is not convex has more than {MAX_CORNERS} corners, or such faces have too many in all: dropped"
+                );
                 log.add("faces-dropped", NoteEffect::Missing, place(), message);
             }
         }

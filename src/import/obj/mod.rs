@@ -14,6 +14,7 @@ mod mesh;
 mod mtl;
 mod parse;
 mod polygon;
+mod sidecar;
 mod texture;
 
 use std::collections::HashMap;
@@ -28,6 +29,7 @@ use crate::scene::{Material, MaterialId, Note, NoteEffect, Scene};
 
 use log::{Log, line, quoted};
 use mtl::Source;
+use sidecar::Sidecar;
 use texture::Loader;
 
 /// Reads the OBJ file whose content is `bytes`; `path` says where the files that it names lie.
@@ -44,10 +46,12 @@ pub(crate) fn read(bytes: &[u8], path: &Path, budget: &mut Budget) -> Result<(Sc
     }
 
     let folder = path.parent().unwrap_or(Path::new(""));
+    let sidecar = Sidecar::read(path, budget, &mut log)?;
     let libraries = libraries(&parsed, folder, budget, &mut log);
     let mut loader = Loader { pictures: Pictures::new(folder), budget };
     let mut scene = Scene::default();
-    let mut used = Used { libraries, ids: HashMap::new(), names: Names::default() };
+    let mut used =
+        Used { libraries, sidecar: sidecar.as_ref(), ids: HashMap::new(), names: Names::default() };
     let mut shared = mesh::Shared::default();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     for (number, model) in models {
@@ -58,6 +62,9 @@ pub(crate) fn read(bytes: &[u8], path: &Path, budget: &mut Budget) -> Result<(Sc
         shared.add(&mut scene, name, material, model)?;
     }
     scene.images = loader.pictures.finish();
+    if let Some(sidecar) = sidecar {
+        sidecar.add_to(&mut scene, &mut log);
+    }
     Ok((scene, log.finish()))
 }
 
@@ -120,14 +127,15 @@ fn library_names(named: &str, folder: &Path) -> Vec<String> {
 }
 
 /// Materials of the scene by the name that the file asks for.
-struct Used {
+struct Used<'s> {
     libraries: HashMap<String, Source>,
+    sidecar: Option<&'s Sidecar>,
     /// `None` for faces without a material.
     ids: HashMap<Option<String>, MaterialId>,
     names: Names,
 }
 
-impl Used {
+impl Used<'_> {
     fn get(
         &mut self,
         asked: Option<&(String, usize)>,
@@ -139,23 +147,25 @@ impl Used {
         if let Some(&known) = self.ids.get(&key) {
             return known;
         }
+        let name = self.names.unique(key.as_deref().unwrap_or("default"));
         let kind = match asked {
+            // The sidecar's comes in its place.
+            _ if self.sidecar.is_some_and(|s| s.defines(&name)) => material::default_kind(),
             None => {
                 let message = "faces without a material are grey";
                 log.add("material-missing", NoteEffect::Differs, "usemtl", message);
                 material::default_kind()
             }
-            Some((name, number)) => match self.libraries.get(name) {
+            Some((asked, number)) => match self.libraries.get(asked) {
                 Some(source) => material::convert(source, loader, log),
                 None => {
                     let message =
-                        format!("the material {} is defined nowhere: its faces are grey", quoted(name));
+                        format!("the material {} is defined nowhere: its faces are grey", quoted(asked));
                     log.add("material-missing", NoteEffect::Differs, line(*number), message);
                     material::default_kind()
                 }
             },
         };
-        let name = self.names.unique(key.as_deref().unwrap_or("default"));
         let id = MaterialId(scene.materials.len() as u32);
         scene.materials.push(Material { name, kind });
         self.ids.insert(key, id);

@@ -13,6 +13,8 @@ use glam::DVec3;
 pub(super) const AREA_TOLERANCE: f64 = 2e-3;
 /// The most corners of a polygon that is not convex: clipping ears may take the square of their number.
 pub(super) const MAX_CORNERS: usize = 100_000;
+/// The most pairs of corners that such polygons of one file may have in all: a bound on the time they take.
+const MAX_PAIRS: u64 = 20_000_000_000;
 
 /// How well a polygon could be covered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +25,7 @@ pub(super) enum Cover {
     Crossing,
     /// No triangles, since no area.
     Empty,
-    /// No triangles: too many corners.
+    /// No triangles: too many corners, in it or in all such polygons of the file.
     TooLarge,
 }
 
@@ -33,6 +35,8 @@ pub(super) struct Triangulator {
     flat: Vec<[f64; 2]>,
     earcut: Earcut<f64>,
     indices: Vec<u32>,
+    /// Pairs of corners so far.
+    pairs: u64,
 }
 
 impl Triangulator {
@@ -68,7 +72,8 @@ impl Triangulator {
         if self.fan(area, out) {
             return Cover::Whole;
         }
-        if n > MAX_CORNERS {
+        self.pairs = self.pairs.saturating_add(n as u64 * n as u64);
+        if n > MAX_CORNERS || self.pairs > MAX_PAIRS {
             return Cover::TooLarge;
         }
         if self.ears(area, out) {

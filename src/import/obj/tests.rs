@@ -4,6 +4,8 @@ mod area;
 mod geometry;
 mod hostile;
 mod materials;
+mod room;
+mod sidecar;
 
 use std::fs;
 use std::path::Path;

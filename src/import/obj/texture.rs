@@ -235,6 +235,6 @@ pub(super) fn reason(fault: &Fault) -> String {
             format!("cannot be read (found {found}, expected {expected})")
         }
         Fault::Unsupported { feature, .. } => format!("cannot be read ({feature} is not supported)"),
-        Fault::Text { .. } => "cannot be read".to_owned(),
+        Fault::Text { .. } | Fault::Elsewhere(_) => "cannot be read".to_owned(),
     }
 }

@@ -6,9 +6,9 @@ use std::io::Cursor;
 use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text, Vec2};
 
-use super::super::budget::Budget;
+use super::super::budget::{Budget, filled};
 use super::super::error::Fault;
-use super::{broken, check_size, filled};
+use super::{broken, check_size};
 use crate::scene::{ImageFormat, Pixels, Texels};
 
 /// Which channels are read.

@@ -10,12 +10,10 @@
 //!   A. C. Estevez and C. Kulla fitted it (SIGGRAPH course, 2017), cosines of both at least 1e-4;
 //!   E is the albedo before the division, `A_sheen` = largest channel of the colour times min(1, E).
 
-use std::f64::consts::TAU;
-use std::sync::Arc;
-
 use glam::DVec3;
+use std::f64::consts::TAU;
 
-use super::albedo::{Curve, Curves, Lobe};
+use super::albedo::{Lobe, Mix};
 use super::fresnel;
 use super::microfacet::Ggx;
 use super::principled::SMOOTH;
@@ -23,38 +21,38 @@ use super::rgb;
 use crate::scene;
 
 /// The layers on top of a principled material.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Layers {
     coat: Option<Coat>,
     sheen: Option<Sheen>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Coat {
     weight: f64,
     eta: f64,
     /// None where smooth.
-    rough: Option<(Ggx, Arc<Curve>)>,
+    rough: Option<(Ggx, Mix)>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Sheen {
     color: DVec3,
     alpha: f64,
-    albedo: Arc<Curve>,
+    albedo: Mix,
 }
 
 impl Layers {
-    pub(super) fn new(p: &scene::Principled, curves: &mut Curves) -> Self {
+    pub(super) fn new(p: &scene::Principled, curves: &mut dyn FnMut(Lobe, f64) -> Mix) -> Self {
         let coat = (p.coat > 0.0).then(|| {
             let (eta, alpha) = (f64::from(p.coat_ior), square(p.coat_roughness));
-            let rough = (alpha >= SMOOTH).then(|| (Ggx { alpha }, curves.get(Lobe::Coat { eta }, alpha)));
+            let rough = (alpha >= SMOOTH).then(|| (Ggx { alpha }, curves(Lobe::Coat { eta }, alpha)));
             Coat { weight: f64::from(p.coat), eta, rough }
         });
         let color = rgb(p.sheen_color);
         let sheen = (color != DVec3::ZERO).then(|| {
             let alpha = square(p.sheen_roughness.max(0.07));
-            Sheen { color, alpha, albedo: curves.of_value(alpha, |wo, wi| charlie(alpha, wo, wi)) }
+            Sheen { color, alpha, albedo: curves(Lobe::Sheen, alpha) }
         });
         Self { coat, sheen }
     }
@@ -114,7 +112,7 @@ fn square(x: f32) -> f64 {
 }
 
 /// The white sheen before it is scaled, sr^-1.
-fn charlie(alpha: f64, wo: DVec3, wi: DVec3) -> f64 {
+pub(super) fn charlie(alpha: f64, wo: DVec3, wi: DVec3) -> f64 {
     let h = (wo + wi).normalize();
     let sin = (h.x * h.x + h.y * h.y).sqrt();
     let d = (2.0 + 1.0 / alpha) * libm::pow(sin, 1.0 / alpha) / TAU;

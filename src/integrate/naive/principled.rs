@@ -25,11 +25,10 @@
 //! half vectors drawn from D, to reflect at or to pass; the density is that of the whole mixture.
 
 use std::f64::consts::FRAC_1_PI;
-use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::albedo::{Curve, Curves, Lobe, average_fresnel};
+use super::albedo::{Lobe, Mix, average_fresnel};
 use super::fresnel;
 use super::layers::Layers;
 use super::material::{Scatter, cosine_hemisphere, reflect, refract};
@@ -42,7 +41,7 @@ use crate::scene;
 pub(super) const SMOOTH: f64 = 1e-4;
 
 /// A principled material, ready to be evaluated. Directions are local, with z on the side of `wo`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Principled {
     base: DVec3,
     metallic: f64,
@@ -58,7 +57,7 @@ pub(super) struct Principled {
 }
 
 /// The dielectric layer on top.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Layer {
     f0: f64,
     tint: DVec3,
@@ -67,15 +66,15 @@ struct Layer {
 }
 
 /// What a rough material needs to know of itself.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Rough {
     ggx: Ggx,
     /// E.
-    reflection: Arc<Curve>,
+    reflection: Mix,
     /// Albedo of the layer's scaled Fresnel factor.
-    layer: Arc<Curve>,
+    layer: Mix,
     /// Total albedo of solid transmission from the front and from the back.
-    dielectric: [Arc<Curve>; 2],
+    dielectric: [Mix; 2],
     metal_fms: DVec3,
     layer_fms: DVec3,
 }
@@ -93,22 +92,23 @@ struct Mixture {
 }
 
 impl Principled {
-    pub(super) fn new(p: &scene::Principled, curves: &mut Curves) -> Self {
+    /// `curves` gives the albedo of a lobe at a width.
+    pub(super) fn new(p: &scene::Principled, curves: &mut dyn FnMut(Lobe, f64) -> Mix) -> Self {
         let (base, ior) = (rgb(p.base_color), f64::from(p.ior));
         let alpha = f64::from(p.roughness) * f64::from(p.roughness);
         let layer = Layer::new(ior, f64::from(p.specular), rgb(p.specular_color));
         let rough = (alpha >= SMOOTH).then(|| {
-            let reflection = curves.get(Lobe::Reflection, alpha);
+            let reflection = curves(Lobe::Reflection, alpha);
             let e_avg = reflection.average();
             let fms = |f_avg: DVec3| f_avg * e_avg / (1.0 - f_avg * (1.0 - e_avg));
             let dielectric = if p.transmission > 0.0 && !p.thin && ior != 1.0 {
-                [ior, 1.0 / ior].map(|eta| curves.get(Lobe::Dielectric { eta }, alpha))
+                [ior, 1.0 / ior].map(|eta| curves(Lobe::Dielectric { eta }, alpha))
             } else {
-                [Arc::clone(&reflection), Arc::clone(&reflection)]
+                [reflection.clone(), reflection.clone()]
             };
             Rough {
                 ggx: Ggx { alpha },
-                layer: curves.get(Lobe::Layer { eta: layer.eta }, alpha),
+                layer: curves(Lobe::Layer { eta: layer.eta }, alpha),
                 dielectric,
                 metal_fms: fms(base + (1.0 - base) / 21.0),
                 layer_fms: fms(layer.blend(average_fresnel(layer.eta))),
@@ -394,7 +394,10 @@ mod tests {
     fn one_interaction_keeps_energy() {
         for (roughness, thin) in [(0.1, false), (0.3, false), (0.6, false), (1.0, false), (0.5, true)] {
             let p = scene::Principled { roughness, thin, transmission: 1.0, ..Default::default() };
-            let p = Principled::new(&p, &mut Curves::default());
+            let p = {
+                let mut curves = super::super::albedo::Curves::default();
+                Principled::new(&p, &mut |lobe, alpha| curves.mix(lobe, alpha))
+            };
             for front in [true, false] {
                 let squeeze = if thin { 1.0 } else { p.eta(front) * p.eta(front) };
                 for mu in [1.0f64, 0.8, 0.5, 0.2, 0.05] {

@@ -25,6 +25,7 @@ mod write;
 
 pub use error::{TextError, TextErrorKind};
 pub(super) use expand::look_along;
+pub(crate) use names::Word;
 
 use std::sync::Arc;
 

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::names::{AlphaWord, Word};
 use super::up::Up;
-use super::value::{Angle, Color, Expected, NameOr, Named, OneOrTwo, Placement, Rotation};
+use super::value::{Angle, Color, Expected, NameOr, Named, OneOrTwo, Placement, Rotation, fixed};
 use crate::scene::{AreaShape, Channel, Filter, FovAxis, Sides, SpotFalloff, ToneCurve, Wrap};
 
 /// A scene for epsilux. Lengths are metres, colours linear Rec. 709, radiance is in W sr^-1 m^-2.
@@ -60,6 +60,7 @@ pub(super) struct Document {
 #[serde(deny_unknown_fields, expecting = "a table of render settings")]
 pub(super) struct RenderTable {
     /// Width and height in pixels.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) size: Option<[u32; 2]>,
     /// Samples per pixel.
     pub(super) spp: Option<u32>,
@@ -77,10 +78,13 @@ pub(super) struct RenderTable {
 #[schemars(extend("oneOf" = [{ "required": ["fov"] }, { "required": ["orthographic"] }]))]
 pub(super) struct CameraTable {
     /// Where it stands.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) eye: Option<[f64; 3]>,
     /// What is in the middle of the picture.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) target: Option<[f64; 3]>,
     /// What is up in the picture; the scene's up where left out.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) up: Option<[f64; 3]>,
     /// Instead of eye and target: camera space to world space; it looks along -Z with +Y up.
     pub(super) transform: Option<Placement>,
@@ -92,7 +96,7 @@ pub(super) struct CameraTable {
     #[serde(default)]
     pub(super) fov_axis: Word<FovAxis>,
     /// Shift of the picture to the right and up, in units of the side named by fov_axis.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) shift: [f64; 2],
     /// Depth of field.
     pub(super) lens: Option<LensTable>,
@@ -136,6 +140,7 @@ pub(super) struct TextureTable {
     /// Which set of the mesh's texture coordinates, 0 (uvs) or 1 (uvs2); 0 where left out.
     pub(super) uv_set: u8,
     /// Added to the texture coordinates last, in pictures.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) offset: Option<[f32; 2]>,
     /// Degrees by which the picture is turned clockwise about its top left corner.
     pub(super) rotation: Option<Angle>,
@@ -278,23 +283,25 @@ pub(super) struct MeshTable {
     /// For people; the table's own name where left out.
     pub(super) name: Option<String>,
     /// Vertex positions.
+    #[serde(deserialize_with = "fixed")]
     pub(super) positions: Vec<[f32; 3]>,
     /// Unit shading normals; flat where left out.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) normals: Vec<[f32; 3]>,
     /// Unit tangents; the fourth number is the handedness, 1 or -1.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) tangents: Vec<[f32; 4]>,
     /// Texture coordinates from the top left.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) uvs: Vec<[f32; 2]>,
     /// A second set of texture coordinates.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) uvs2: Vec<[f32; 2]>,
     /// Linear vertex colours with alpha.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) colors: Vec<[f32; 4]>,
     /// Three vertex numbers a triangle, from zero.
+    #[serde(deserialize_with = "fixed")]
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
@@ -337,6 +344,7 @@ pub(super) struct ObjectTable {
 #[serde(deny_unknown_fields, expecting = "a sphere: { center, radius }")]
 pub(super) struct SphereTable {
     /// The origin where left out.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) center: Option<[f64; 3]>,
     /// Metres.
     pub(super) radius: f64,
@@ -347,8 +355,10 @@ pub(super) struct SphereTable {
 #[serde(deny_unknown_fields, expecting = "a box: { center, size }")]
 pub(super) struct BoxTable {
     /// Its middle.
+    #[serde(deserialize_with = "fixed")]
     pub(super) center: [f64; 3],
     /// Full extent along x, y and z before it is turned.
+    #[serde(deserialize_with = "fixed")]
     pub(super) size: [f64; 3],
     /// Turn about its middle.
     pub(super) rotation: Option<Rotation>,
@@ -359,10 +369,13 @@ pub(super) struct BoxTable {
 #[serde(deny_unknown_fields, expecting = "a rect: { corner, edges = [[..], [..]] }")]
 pub(super) struct RectTable {
     /// One corner.
+    #[serde(deserialize_with = "fixed")]
     pub(super) corner: [f64; 3],
     /// The two edges that leave it.
+    #[serde(deserialize_with = "fixed")]
     pub(super) edges: [[f64; 3]; 2],
     /// A point that its front looks at.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) facing: Option<[f64; 3]>,
 }
 
@@ -371,11 +384,13 @@ pub(super) struct RectTable {
 #[serde(deny_unknown_fields, expecting = "a polygon: { corners = [[..], ..] }")]
 pub(super) struct PolygonTable {
     /// Three or more corners in one plane.
+    #[serde(deserialize_with = "fixed")]
     pub(super) corners: Vec<[f64; 3]>,
     /// Corners of each hole.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) holes: Vec<Vec<[f64; 3]>>,
     /// A point that its front looks at.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) facing: Option<[f64; 3]>,
 }
 
@@ -385,6 +400,7 @@ pub(super) struct PolygonTable {
 #[serde(deny_unknown_fields, expecting = "a prism: { corners = [[..], ..], bottom, top }")]
 pub(super) struct PrismTable {
     /// The ground plan: [x, y] where z is up, [x, z] where y is up. Either way round.
+    #[serde(deserialize_with = "fixed")]
     pub(super) corners: Vec<[f64; 2]>,
     /// Height of the floor.
     pub(super) bottom: f64,
@@ -401,10 +417,10 @@ pub(super) struct PrismTable {
     /// Material of the ceiling.
     pub(super) ceiling: Option<String>,
     /// Corners of each hole in the floor.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) floor_holes: Vec<Vec<[f64; 2]>>,
     /// Corners of each hole in the ceiling.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) ceiling_holes: Vec<Vec<[f64; 2]>>,
 }
 
@@ -425,12 +441,16 @@ pub(super) struct LightTable {
     /// A flat surface that shines to one side.
     pub(super) area: Option<AreaTable>,
     /// Where it is; the origin where left out.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) position: Option<[f64; 3]>,
     /// Where it shines to; straight down where left out.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) direction: Option<[f64; 3]>,
     /// Instead of direction: a point in the middle of its beam.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) target: Option<[f64; 3]>,
     /// Which way the y extent of an area light points.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) up: Option<[f64; 3]>,
     /// Instead of all these: its own space to world space; it shines along -Z.
     pub(super) transform: Option<Placement>,
@@ -485,6 +505,7 @@ pub(super) struct AreaTable {
     #[serde(default)]
     pub(super) shape: Word<AreaShape>,
     /// Full extent along its x and y.
+    #[serde(deserialize_with = "fixed")]
     pub(super) size: [f64; 2],
     /// W sr^-1 m^-2.
     pub(super) radiance: Color,

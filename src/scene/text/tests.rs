@@ -495,6 +495,15 @@ fn mistakes_in_toml_are_pointed_at() {
         ("a negative count", "epsilux = 1\n[render]\nsize = [-800, 800]\n"),
         ("a colour of two channels", "epsilux = 1\n[material]\nred = { diffuse = [1, 0] }\n"),
         ("a colour of four channels", "epsilux = 1\n[material]\nred = { diffuse = [1, 0, 0, 1] }\n"),
+        (
+            "a point of four numbers",
+            "epsilux = 1\n[camera.a]\neye = [1, 2, 3, 4]\ntarget = [0, 0, 0]\nfov = 40\n",
+        ),
+        ("a point of two numbers", "epsilux = 1\n[camera.a]\neye = [1, 2]\ntarget = [0, 0, 0]\nfov = 40\n"),
+        (
+            "a triangle of four corners",
+            "epsilux = 1\n[mesh.m]\npositions = [[0, 0, 0]]\ntriangles = [[0, 0, 0, 0]]\n",
+        ),
         ("not a colour", "epsilux = 1\n[material]\nred = { diffuse = 0.5 }\n"),
         ("not a hex colour", "epsilux = 1\n[material]\nred = { diffuse = \"#12345é\" }\n"),
         ("too hot", "epsilux = 1\n[material]\nred = { light = { kelvin = 1e6 } }\n"),

@@ -59,6 +59,62 @@ fn exactly<'de, T: Deserialize<'de>, A: SeqAccess<'de>>(
     if more == 0 { Ok(list) } else { Err(A::Error::invalid_length(count + more, expected)) }
 }
 
+/// Reads lists of a fixed length, wherever they are, as [`exactly`] does.
+pub(super) fn fixed<'de, D: Deserializer<'de>, F: Fixed>(d: D) -> Result<F, D::Error> {
+    F::Wire::deserialize(d).map(F::of)
+}
+
+/// What [`fixed`] reads: lists of a fixed length, and what is made of them.
+pub(super) trait Fixed: Sized {
+    /// The same with lists that know how long they are.
+    type Wire: for<'de> Deserialize<'de>;
+    /// From that.
+    fn of(wire: Self::Wire) -> Self;
+}
+
+impl<T: for<'de> Deserialize<'de>, const N: usize> Fixed for [T; N]
+where
+    [T; N]: for<'de> Deserialize<'de>,
+{
+    type Wire = Exactly<[T; N], N>;
+    fn of(wire: Self::Wire) -> Self {
+        wire.0
+    }
+}
+
+impl<F: Fixed> Fixed for Option<F> {
+    type Wire = Option<F::Wire>;
+    fn of(wire: Self::Wire) -> Self {
+        wire.map(F::of)
+    }
+}
+
+impl<F: Fixed> Fixed for Vec<F> {
+    type Wire = Vec<F::Wire>;
+    fn of(wire: Self::Wire) -> Self {
+        wire.into_iter().map(F::of).collect()
+    }
+}
+
+/// A list of `N` items.
+pub(super) struct Exactly<L, const N: usize>(L);
+
+impl<'de, L: Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<L, N> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct V<L, const N: usize>(PhantomData<L>);
+        impl<'de, L: Deserialize<'de>, const N: usize> Visitor<'de> for V<L, N> {
+            type Value = Exactly<L, N>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "an array of length {N}")
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
+                exactly(seq, N, &self).map(Exactly)
+            }
+        }
+        d.deserialize_any(V(PhantomData))
+    }
+}
+
 /// A colour: `[r, g, b]` linear, `"#rrggbb"` in sRGB, or a temperature.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Color(pub(super) Rgb);
@@ -510,6 +566,12 @@ impl<'de, T: Vocabulary> Deserialize<'de> for Word<T> {
             }
         }
         d.deserialize_str(V(PhantomData))
+    }
+}
+
+impl<T: Vocabulary> serde::Serialize for Word<T> {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.0.word())
     }
 }
 

@@ -217,3 +217,32 @@ fn limits_are_kept() {
     );
     check(ReadOptions { max_bytes: 100_000, ..ReadOptions::default() }, "more than 100000 bytes");
 }
+
+/// Guards the time that a large file takes: half a million triangles, smooth, with texture coordinates.
+#[test]
+fn half_a_million_triangles_load_in_seconds() {
+    use std::fmt::Write;
+    let mut obj = String::from("s 1\n");
+    let side = 501;
+    for i in 0..side * side {
+        let (x, y) = (i % side, i / side);
+        writeln!(
+            obj,
+            "v {x}.25 {}.5 {y}.125\nvt {} {}",
+            (x * 7 + y * 3) % 5,
+            x as f32 / 500.0,
+            y as f32 / 500.0
+        )
+        .unwrap();
+    }
+    for i in (0..(side - 1) * side).filter(|i| (i + 1) % side != 0) {
+        let [a, b, c, d] = [i + 1, i + 2, i + side + 2, i + side + 1];
+        writeln!(obj, "f {a}/{a} {b}/{b} {c}/{c} {d}/{d}").unwrap();
+    }
+    let start = std::time::Instant::now();
+    let (scene, _) = load(&obj);
+    assert_eq!(scene.meshes[0].triangles.len(), 500_000);
+    assert_eq!(scene.meshes[0].positions.len(), side * side);
+    let seconds = start.elapsed().as_secs_f64();
+    assert!(seconds < 30.0, "{seconds} s");
+}
