@@ -101,6 +101,7 @@ fn rows() -> Vec<(&'static str, Slips, Shortcuts)> {
 /// The table of the guide.
 #[test]
 #[ignore = "takes minutes: prints the table of the guide"]
+#[expect(clippy::print_stdout, reason = "the table is what it is for")]
 fn price_of_each_shortcut() {
     let (size, rays) = (64, 256);
     let scene = hexroom();
