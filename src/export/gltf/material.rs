@@ -7,7 +7,7 @@ use super::number::{color, single};
 use crate::color::Rgb;
 use crate::scene::extension::{AbsorptionTable, GlassTable, MaterialTable, PrincipledTable};
 use crate::scene::text::Word;
-use crate::scene::{Absorption, AlphaMode, Material, MaterialKind, NoteEffect, Principled, Sides};
+use crate::scene::{Absorption, AlphaMode, Material, MaterialKind, Principled, Sides};
 
 impl Document<'_> {
     /// The entry of a material.
@@ -76,10 +76,6 @@ impl Document<'_> {
     /// Writes `p` as glTF's material, and returns what a reader makes of that.
     fn principled(&mut self, p: &Principled, entry: &mut Map<String, Value>, index: usize) -> Principled {
         let mut read = p.clone();
-        if !p.textures.is_empty() {
-            let message = "textures are not written yet: the factors alone are";
-            self.notes.add("texture-lost", NoteEffect::Missing, format!("materials[{index}]"), message);
-        }
         let mut pbr = Map::new();
         let [r, g, b] = color(p.base_color);
         if p.base_color != Rgb::WHITE || p.alpha != 1.0 {
@@ -155,6 +151,8 @@ impl Document<'_> {
         if !extensions.is_empty() {
             entry.insert("extensions".into(), extensions.into());
         }
+
+        self.textures(p, entry, &format!("materials[{index}]"));
 
         read.transmission_tint = p.base_color;
         read.thin = !is_solid && p.transmission > 0.0;

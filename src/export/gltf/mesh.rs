@@ -6,7 +6,7 @@ use glam::Vec4;
 use serde_json::{Value, json};
 
 use super::{Document, sphere};
-use crate::scene::{MaterialId, Mesh, MeshId, NoteEffect};
+use crate::scene::{MaterialId, MaterialKind, Mesh, MeshId, NoteEffect};
 
 /// What has been written.
 #[derive(Default)]
@@ -54,6 +54,7 @@ impl Document<'_> {
                 written
             }
         }?;
+        let geometry = self.with_uvs(geometry, mesh.positions.len(), material);
         let entry = self.entry(&mesh.name, geometry, material);
         self.meshes.meshes.insert((id, material), entry);
         Some(entry)
@@ -88,9 +89,25 @@ impl Document<'_> {
             }
         };
         let attributes = json!({ "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uvs });
-        let entry = self.entry("sphere", Geometry { attributes, indices }, material);
+        let geometry = self.with_uvs(Geometry { attributes, indices }, points.len(), material);
+        let entry = self.entry("sphere", geometry, material);
         self.meshes.spheres.insert((bits, material), entry);
         entry
+    }
+
+    /// `geometry`, with zeros for texture coordinates that the material asks for in vain: glTF wants
+    /// them to be there.
+    fn with_uvs(&mut self, mut geometry: Geometry, vertices: usize, material: MaterialId) -> Geometry {
+        let kind = self.scene.materials.get(material.0 as usize).map(|m| &m.kind);
+        let Some(MaterialKind::Principled(p)) = kind else { return geometry };
+        for (_, texture) in p.textures.iter() {
+            let key = format!("TEXCOORD_{}", texture.uv_set);
+            if geometry.attributes.get(&key).is_none() {
+                let zeros = json!({ "componentType": 5126, "count": vertices, "type": "VEC2" });
+                geometry.attributes[&key] = self.buffer.accessor(zeros).into();
+            }
+        }
+        geometry
     }
 
     fn entry(&mut self, name: &str, geometry: Geometry, material: MaterialId) -> usize {

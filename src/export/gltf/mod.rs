@@ -19,6 +19,7 @@ mod node;
 mod number;
 mod place;
 mod sphere;
+mod texture;
 
 use std::collections::BTreeSet;
 
@@ -33,19 +34,21 @@ use crate::scene::{NoteEffect, Scene};
 use buffer::Buffer;
 use mesh::Meshes;
 use number::{color, single};
+use texture::Pictures;
 
 /// Converts a scene; `name` is the file name that it will have.
 pub(super) fn encode(scene: &Scene, name: &str, binary: bool) -> Result<Encoded, ExportError> {
-    let mut document = Document::new(scene);
+    let mut document = Document::new(scene, name, binary);
     document.fill();
-    let Document { buffer, used, notes, root, .. } = document;
+    let Document { buffer, used, required, notes, root, pictures, .. } = document;
     let notes = notes.finish();
     let Buffer { bytes, views, accessors } = buffer;
     let mut root = root;
     root.insert("extensionsUsed".into(), json!(used));
+    put(&mut root, "extensionsRequired", required.into_iter().map(Value::from).collect());
     put(&mut root, "accessors", accessors);
     put(&mut root, "bufferViews", views);
-    let mut files = Vec::new();
+    let mut files = pictures.finish(&mut root);
     if !bytes.is_empty() {
         let mut entry = json!({ "byteLength": bytes.len() });
         if !binary {
@@ -68,6 +71,11 @@ pub(super) fn encode(scene: &Scene, name: &str, binary: bool) -> Result<Encoded,
 /// A document under construction.
 struct Document<'s> {
     scene: &'s Scene,
+    /// File name of the whole.
+    name: &'s str,
+    /// Whether pictures go into the file itself.
+    binary: bool,
+    pictures: Pictures,
     root: Map<String, Value>,
     buffer: Buffer,
     meshes: Meshes,
@@ -78,13 +86,18 @@ struct Document<'s> {
     lights: Vec<Value>,
     /// Extensions that occur.
     used: BTreeSet<&'static str>,
+    /// Extensions without which the file is not shown as it should be.
+    required: BTreeSet<&'static str>,
     notes: Notes,
 }
 
 impl<'s> Document<'s> {
-    fn new(scene: &'s Scene) -> Self {
+    fn new(scene: &'s Scene, name: &'s str, binary: bool) -> Self {
         Self {
             scene,
+            name,
+            binary,
+            pictures: Pictures::default(),
             root: Map::new(),
             buffer: Buffer::default(),
             meshes: Meshes::default(),
@@ -92,6 +105,7 @@ impl<'s> Document<'s> {
             roots: Vec::new(),
             lights: Vec::new(),
             used: BTreeSet::new(),
+            required: BTreeSet::new(),
             notes: Notes::default(),
         }
     }
@@ -148,15 +162,19 @@ impl<'s> Document<'s> {
             max_depth: settings.max_depth.map(f64::from),
         };
         let environment = self.scene.environment.as_ref().map(|e| {
-            if e.image.is_some() {
-                let message = "the picture of the environment is not written yet";
-                self.notes.add("environment-image-lost", NoteEffect::Missing, "environment.image", message);
+            let picture = e.image.and_then(|image| self.sky(image.image));
+            if e.image.is_some() && picture.is_none() {
+                let message = "the picture of the environment cannot be encoded: it is left out";
+                self.notes.add("texture-lost", NoteEffect::Missing, "environment.image", message);
             }
+            let (image, uri) = picture.unwrap_or_default();
             EnvironmentTable {
                 name: (e.name != "environment").then(|| e.name.clone()),
                 radiance: Some(color(e.radiance)),
+                image: image.map(|i| i as f64),
+                uri,
+                rotation: e.image.map(|i| i.rotation).filter(|r| *r != 0.0),
                 visible: (!e.visible_to_camera).then_some(false),
-                ..EnvironmentTable::default()
             }
         });
         SceneTable { film: (film != FilmTable::default()).then_some(film), environment, title: None }

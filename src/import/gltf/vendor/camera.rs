@@ -58,7 +58,7 @@ pub(in super::super) fn camera(source: &json::Camera, place: &str, camera: &mut 
         match factor {
             Some(factor) => camera.shift = shift.map(|v| v * factor),
             None => {
-                check.ignore("shift", "the shift is by another side than the angle, and no aspect is known")
+                check.ignore("shift", "the shift is by another side than the angle, and no aspect is known");
             }
         }
     }

@@ -61,7 +61,8 @@ impl Check<'_> {
         self.color(key, value, MAX_RADIANCE)
     }
 
-    fn clamped(&mut self, key: &str, found: &str, good: &str) {
+    /// Notes that `good` stands for what was `found`.
+    pub(super) fn clamped(&mut self, key: &str, found: &str, good: &str) {
         let message = format!("{found}: taken as {good}");
         self.notes.add("value-clamped", NoteEffect::Differs, format!("{}.{key}", self.place), message);
     }

@@ -112,6 +112,6 @@ fn absorption(a: &AbsorptionTable, key: &str, check: &mut Check<'_>) -> Option<A
         return Some(Absorption { color, distance });
     }
     let good = color.map(|v| v.max(1e-6));
-    check.ignore(&format!("{key}.color"), "a channel is 0, and 1e-6 is taken");
+    check.clamped(&format!("{key}.color"), "a channel of 0", &format!("{:?}", good.to_array()));
     Some(Absorption { color: good, distance })
 }
