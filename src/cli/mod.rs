@@ -78,6 +78,6 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Convert(args) => convert::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),
         Command::Demo(args) => demo::run(&args, arguments, console),
-        Command::Schema => schema::run(console),
+        Command::Schema(args) => schema::run(&args, console),
     }
 }

@@ -24,7 +24,7 @@ use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tra
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
 use crate::prepare::{self, EffectsMode, Plan, PrepareError};
-use crate::scene::{Camera, Note, Scene, text};
+use crate::scene::{Camera, Note, Scene, Texels, text};
 
 pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) -> Result<Code, Failure> {
     let begin = Instant::now();

@@ -5,6 +5,7 @@
 //! is [`crate::import::read`] followed by [`encode`] and [`write`].
 
 mod files;
+mod gltf;
 mod obj;
 mod text;
 
@@ -22,13 +23,17 @@ pub enum Format {
     Toml,
     /// The same as JSON.
     Json,
+    /// glTF 2.0 as JSON, with its buffer and pictures beside it.
+    Gltf,
+    /// glTF 2.0 in one binary file.
+    Glb,
     /// Wavefront OBJ, with materials, and a sidecar for what it cannot say.
     Obj,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Toml, Self::Json, Self::Obj];
+    pub const ALL: [Self; 5] = [Self::Toml, Self::Json, Self::Gltf, Self::Glb, Self::Obj];
 
     /// Suffix without its dot.
     #[must_use]
@@ -36,6 +41,8 @@ impl Format {
         match self {
             Self::Toml => "toml",
             Self::Json => "json",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
             Self::Obj => "obj",
         }
     }
@@ -85,6 +92,12 @@ pub enum ExportError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The format cannot hold so much.
+    #[error("{name}: the scene needs more than 4 GiB, which a GLB file cannot hold; write .gltf instead")]
+    TooLarge {
+        /// The file.
+        name: String,
+    },
 }
 
 /// Converts a scene; `name` is the file name that it will have, on which the names of other files are
@@ -96,6 +109,8 @@ pub fn encode(scene: &Scene, format: Format, name: &str) -> Result<Encoded, Expo
     match format {
         Format::Toml => text::encode(scene, Syntax::Toml, name),
         Format::Json => text::encode(scene, Syntax::Json, name),
+        Format::Gltf => gltf::encode(scene, name, false),
+        Format::Glb => gltf::encode(scene, name, true),
         Format::Obj => obj::encode(scene, name),
     }
 }

@@ -12,6 +12,9 @@ pub mod scene_format {}
 #[doc = include_str!("from-blender.md")]
 pub mod from_blender {}
 
+#[doc = include_str!("extension.md")]
+pub mod extension {}
+
 #[doc = include_str!("convert.md")]
 pub mod convert {}
 

@@ -8,6 +8,7 @@
 
 mod camera;
 mod defaults;
+pub(crate) mod extension;
 mod image;
 mod light;
 mod material;

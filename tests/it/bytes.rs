@@ -395,3 +395,23 @@ fn the_seed_decides() {
     check_equal(&with(1), &with(1), "the same seed");
     assert_ne!(with(1).rgb, with(2).rgb);
 }
+
+/// Guards glTF both ways: a scene that was written as GLB and read again is the same picture.
+#[test]
+fn a_scene_through_glb_changes_nothing() {
+    use epsilux::{export, import};
+    for name in ["hexroom", "materials"] {
+        let scene = file(name);
+        let folder = tempfile::tempdir().expect("a folder");
+        let encoded = export::encode(&scene, export::Format::Glb, "scene.glb").expect("a small scene");
+        export::write(&encoded.files, folder.path()).expect("a folder that can be written");
+        let path = folder.path().join("scene.glb");
+        let (read, _) = import::read(&path, &import::ReadOptions::default()).expect("our own file");
+        let [a, b] = [&scene, &read].map(|scene| {
+            let options = options([24, 24], seed("glb"), None);
+            let passes = RenderOptions { passes: 0..4, ..passes() };
+            picture(&prepare(scene, &options).expect("a camera"), &passes)
+        });
+        check_equal(&a, &b, name);
+    }
+}

@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::super::error::Fault;
+use super::vendor;
 
 /// The parts of a glTF document that we read.
 pub(super) struct Document {
@@ -37,6 +38,8 @@ pub(super) struct Document {
     pub(super) scenes: usize,
     pub(super) generator: String,
     pub(super) extensions: Extensions,
+    /// What our own extension says about the whole.
+    pub(super) vendor: vendor::Root,
 }
 
 /// Which extensions the file names, and where they stand.
@@ -51,6 +54,11 @@ impl Document {
     /// True for files of Blender's own exporter, whose habits differ from the specification.
     pub(super) fn is_from_blender(&self) -> bool {
         self.generator.starts_with("Khronos glTF Blender I/O")
+    }
+
+    /// True for files of this program, whose lights are in W/sr and W/m^2.
+    pub(super) fn is_own(&self) -> bool {
+        self.generator.starts_with("epsilux ")
     }
 }
 
@@ -76,6 +84,8 @@ pub(super) fn parse(text: &[u8]) -> Result<Document, Fault> {
         find_extensions(value, key, key == "extensions", &mut found);
     }
     let extensions = Extensions { required: elements(&mut root, "extensionsRequired", "")?, found };
+
+    let vendor = vendor::Root::of(&root)?;
 
     let is_bare = |v: &Value| {
         let plain = ["name", "doubleSided", "alphaMode", "extras"];
@@ -114,6 +124,7 @@ pub(super) fn parse(text: &[u8]) -> Result<Document, Fault> {
         scenes,
         generator,
         extensions,
+        vendor,
     })
 }
 

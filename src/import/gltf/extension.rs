@@ -7,8 +7,11 @@ use crate::scene::NoteEffect;
 
 /// Extensions that are read.
 const READ: &[&str] = &[
+    "EPSILUX_scene",
+    "EXT_lights_area",
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
+    "KHR_implicit_shapes",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -24,9 +27,7 @@ const READ: &[&str] = &[
 
 /// Extensions that are not read: name, what the picture lacks without, and the effect of that.
 const IGNORED: &[(&str, &str, NoteEffect)] = &[
-    ("EXT_lights_area", "its area lights are missing", NoteEffect::Missing),
     ("EXT_lights_image_based", "its environment is missing", NoteEffect::Missing),
-    ("KHR_implicit_shapes", "its analytic shapes are missing", NoteEffect::Missing),
     ("KHR_materials_anisotropy", "highlights are round", NoteEffect::Differs),
     ("KHR_materials_diffuse_transmission", "light does not pass diffusely", NoteEffect::Missing),
     ("KHR_materials_dispersion", "glass does not split colours", NoteEffect::Missing),

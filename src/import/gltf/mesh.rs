@@ -245,6 +245,10 @@ fn dropped(notes: &mut Notes, what: &str, place: String) {
 
 /// `v` at unit length, or nothing where it has no direction.
 fn unit(v: Vec3) -> Option<Vec3> {
+    // What is unit already stays, so that writing and reading it again changes no digit.
+    if (v.length_squared() - 1.0).abs() <= 4.0 * f32::EPSILON {
+        return Some(v);
+    }
     v.as_dvec3().try_normalize().map(|n| n.as_vec3())
 }
 

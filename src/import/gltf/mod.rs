@@ -17,6 +17,7 @@ mod node;
 mod sphere;
 mod texture;
 mod triangles;
+mod vendor;
 
 use std::path::Path;
 

@@ -10,17 +10,17 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json;
 use json::validation::Checked;
 
-use super::super::ReadOptions;
 use super::super::budget::Budget;
 use super::super::error::Fault;
 use super::super::names::Names;
 use super::super::notes::Notes;
+use super::super::{LightUnits, ReadOptions};
 use super::accessor::{Reader, get};
 use super::document::Document;
 use super::light::Lights;
 use super::mesh::Meshes;
 use super::texture::Textures;
-use super::{instancing, material, sphere};
+use super::{instancing, material, sphere, vendor};
 use crate::scene::{
     Camera, FovAxis, Light, Material, MaterialId, MaterialKind, MeshId, NoteEffect, Object, Projection,
     Scene, Shape,
@@ -43,14 +43,17 @@ pub(super) fn build(
             let name = doc.materials[i].name.as_deref().filter(|n| !n.is_empty());
             let name = names.unique(&name.map_or_else(|| format!("material {i}"), Into::into));
             let kind = material::convert(doc, i, &mut textures, &mut reader, notes)?;
+            let kind = vendor::material(&doc.materials[i], kind, &format!("materials[{i}]"), notes);
             Ok(Material { name, kind })
         })
         .collect();
+    let own = doc.is_own() && options.light_units == LightUnits::Auto;
+    let units = if own { LightUnits::Unitless } else { options.light_units };
     let mut builder = Builder {
         doc,
         reader,
         notes,
-        lights: Lights::new(options.light_units, doc.is_from_blender()),
+        lights: Lights::new(units, doc.is_from_blender()),
         meshes: Meshes::default(),
         default_material: None,
         material_names: names,
@@ -63,15 +66,22 @@ pub(super) fn build(
     while let Some((index, parent)) = stack.pop() {
         let node = &doc.nodes[index];
         let place = format!("nodes[{index}]");
-        let world = parent * local_transform(node, &place)?;
+        let ours = vendor::Node::read(node, &place, &doc.vendor, builder.notes);
+        let local = match ours.matrix(builder.notes) {
+            Some(exact) => exact,
+            None => local_transform(node, &place)?,
+        };
+        let world = parent * local;
         if !world.is_finite() {
             return Err(Fault::invalid(place, "a transform that is not finite", "finite numbers"));
         }
-        builder.node(index, node, world, &place)?;
+        builder.node(index, node, &ours, world, &place)?;
         stack.extend(node.children.iter().flatten().rev().map(|c| (c.value(), world)));
     }
-    let meshes = builder.meshes.list;
-    Ok(Scene { meshes, images: textures.finish(), ..builder.scene })
+    let Builder { mut reader, meshes, scene, notes, .. } = builder;
+    let mut scene = Scene { meshes: meshes.list, ..scene };
+    vendor::scene(&doc.vendor, &mut scene, &mut textures, &mut reader, notes)?;
+    Ok(Scene { images: textures.finish(), ..scene })
 }
 
 /// Charges for what stands at the nodes, before any of it is made: nodes times primitives, or nodes that
@@ -189,7 +199,14 @@ struct Builder<'d> {
 
 impl Builder<'_> {
     /// Adds what stands at one node.
-    fn node(&mut self, index: usize, node: &json::Node, world: DAffine3, place: &str) -> Result<(), Fault> {
+    fn node(
+        &mut self,
+        index: usize,
+        node: &json::Node,
+        ours: &vendor::Node,
+        world: DAffine3,
+        place: &str,
+    ) -> Result<(), Fault> {
         let name = node.name.as_deref().filter(|n| !n.is_empty());
         if node.skin.is_some() {
             let message = "skins are not applied: the mesh is shown as modelled";
@@ -201,28 +218,40 @@ impl Builder<'_> {
             let name = name.or(source.name.as_deref()).unwrap_or("camera");
             self.camera(source, name, world, &format!("cameras[{}]", camera.value()));
         }
-        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
-        if let Some(light) = light {
+        let reference = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        let mut punctual = None;
+        let mut light_name = name.unwrap_or("light").to_owned();
+        if let Some(light) = reference {
             let i = light.light.value();
             let source = get(&self.doc.lights, i, &format!("{place}.extensions.KHR_lights_punctual.light"))?;
-            let name = name.or(source.name.as_deref()).unwrap_or("light").to_owned();
+            light_name = name.or(source.name.as_deref()).unwrap_or("light").to_owned();
             let light_place = format!("extensions.KHR_lights_punctual.lights[{i}]");
-            let light = self.lights.convert(source, name, world, &light_place, self.notes)?;
-            self.scene.lights.push(light);
+            if !ours.has_whole_light() {
+                let name = light_name.clone();
+                punctual = Some(self.lights.convert(source, name, world, &light_place, self.notes)?);
+            }
         }
+        let light = ours.light(punctual, &light_name, world, self.lights.nits(), self.notes);
+        let is_light = reference.is_some() || light.is_some();
+        self.scene.lights.extend(light);
         if let Some(mesh) = node.mesh {
+            let first = self.scene.objects.len();
             match instancing::read(node, place, &mut self.reader)? {
-                None => self.mesh(mesh.value(), node, name, world, place)?,
+                None => self.mesh(mesh.value(), node, ours, name, world, place)?,
                 Some(list) => {
                     let source = get(&self.doc.meshes, mesh.value(), &format!("{place}.mesh"))?;
                     let count = (list.len() as u64).saturating_mul(source.primitives.len() as u64);
                     self.reader.budget.charge_bytes(count, object_bytes(node, source), place)?;
                     for own in list {
-                        self.mesh(mesh.value(), node, name, world * own, place)?;
+                        self.mesh(mesh.value(), node, ours, name, world * own, place)?;
                     }
                 }
             }
-        } else if node.camera.is_none() && light.is_none() {
+            if let Some(visible) = ours.visible_to_camera() {
+                self.scene.objects[first..].iter_mut().for_each(|o| o.visible_to_camera = visible);
+            }
+        } else if node.camera.is_none() && !is_light {
+            ours.sphere(false, self.notes);
             self.empty(index, node, place);
         }
         Ok(())
@@ -242,6 +271,7 @@ impl Builder<'_> {
         &mut self,
         index: usize,
         node: &json::Node,
+        ours: &vendor::Node,
         name: Option<&str>,
         world: DAffine3,
         place: &str,
@@ -258,7 +288,7 @@ impl Builder<'_> {
             self.notes.add("object-flattened", NoteEffect::Missing, place, message);
             return Ok(());
         }
-        if let Some(radius) = sphere::radius(node, place, self.notes) {
+        if let Some(radius) = ours.sphere(true, self.notes) {
             if let Some(transform) = sphere::placement(world) {
                 let material = mesh.primitives.first().and_then(|p| p.material);
                 let material =
@@ -355,6 +385,8 @@ impl Builder<'_> {
         };
         let name = self.camera_names.unique(name);
         let aspect = aspect.filter(|a| a.is_finite() && *a > 0.0);
-        self.scene.cameras.push(Camera { name, transform, projection, shift: [0.0; 2], lens: None, aspect });
+        let mut camera = Camera { name, transform, projection, shift: [0.0; 2], lens: None, aspect };
+        vendor::camera(source, place, &mut camera, self.notes);
+        self.scene.cameras.push(camera);
     }
 }

@@ -83,6 +83,18 @@ impl<'d> Textures<'d> {
         self.pictures.finish()
     }
 
+    /// The picture in the file that `uri` names, which the document does not list, or why there is none.
+    pub(super) fn file(
+        &mut self,
+        uri: &str,
+        place: &str,
+        reader: &mut Reader<'_>,
+        notes: &mut Notes,
+    ) -> Result<ImageId, String> {
+        let found = self.pictures.uri(uri, place, reader.budget, notes);
+        found.map_err(|fault| fault.reason(self.folder))
+    }
+
     /// The texture of a slot at `place`; `None`, with a note, where it has no picture.
     pub(super) fn get(
         &mut self,
@@ -174,7 +186,7 @@ impl<'d> Textures<'d> {
     }
 
     /// The picture at `index` of the document's images, or why there is none; `place` names it.
-    fn image(
+    pub(super) fn image(
         &mut self,
         index: usize,
         place: &str,

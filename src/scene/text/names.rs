@@ -5,7 +5,7 @@ use crate::scene::{AreaShape, Channel, Filter, FovAxis, Sides, SpotFalloff, Tone
 use super::up::Up;
 
 /// An enum whose values are words in a scene file.
-pub(super) trait Vocabulary: Copy + PartialEq + 'static {
+pub(crate) trait Vocabulary: Copy + PartialEq + 'static {
     /// Name of the set, for the schema.
     const NAME: &'static str;
     /// All values, each with its word.
@@ -35,8 +35,8 @@ pub(super) enum AlphaWord {
 }
 
 /// A value that is read from its word.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Word<T>(pub(super) T);
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Word<T>(pub(crate) T);
 
 macro_rules! vocabulary {
     ($($type:ident { $($word:literal = $variant:ident),+ })+) => {$(

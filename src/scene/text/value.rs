@@ -569,6 +569,12 @@ impl<'de, T: Vocabulary> Deserialize<'de> for Word<T> {
     }
 }
 
+impl<T: Vocabulary> serde::Serialize for Word<T> {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.0.word())
+    }
+}
+
 impl<T: Vocabulary> JsonSchema for Word<T> {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         T::NAME.into()
