@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use epsilux::import::{self, ReadOptions};
-use epsilux::scene::{Mesh, Note, Object, Scene, Shape};
+use epsilux::report::inventory;
+use epsilux::scene::{MaterialKind, Mesh, Note, Object, Principled, Scene, Shape};
 
 use crate::command::Folder;
 
@@ -25,7 +26,7 @@ fn info(name: &str) -> String {
 /// carried is not said to be lost, and what is lost is said.
 #[test]
 fn what_info_says() {
-    for name in ["still-life.glb", "room.glb", "textured.glb", "grove.glb"] {
+    for name in ["still-life.glb", "room.glb", "room.obj", "textured.glb", "grove.glb"] {
         insta::assert_snapshot!(name, info(name));
     }
 }
@@ -65,4 +66,52 @@ fn bytes(mesh: &Mesh) -> usize {
         + size_of_val(&mesh.tangents[..])
         + mesh.uvs.iter().map(|set| size_of_val(&set[..])).sum::<usize>()
         + size_of_val(&mesh.colors[..])
+}
+
+/// What both files of the room say about one material; OBJ has underscores for blanks.
+fn principled<'a>(scene: &'a Scene, name: &str) -> &'a Principled {
+    let same = |found: &str| found.replace(' ', "_") == name.replace(' ', "_");
+    match scene.materials.iter().find(|m| same(&m.name)).map(|m| &m.kind) {
+        Some(MaterialKind::Principled(p)) => p,
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+/// The room is one room, whether Blender wrote it as glTF, as OBJ with PBR statements or as OBJ without:
+/// geometry, camera, and each material to the six digits that MTL has.
+#[test]
+fn the_room_is_the_same_in_each_format() {
+    let folder = Folder::new();
+    for name in ["room.obj", "room.epsilux.toml", "room-parquet.jpg", "room-painting.png"] {
+        std::fs::copy(fixture(name), folder.path(name)).unwrap();
+    }
+    std::fs::copy(fixture("room-plain.mtl"), folder.path("room.mtl")).unwrap();
+    let plain = import::read(&folder.path("room.obj"), &ReadOptions::default()).unwrap().0;
+    let (gltf, _) = read("room.glb");
+    let expected = inventory(&gltf);
+    for (obj, tolerance) in [(read("room.obj").0, 1e-6), (plain, 1e-5)] {
+        let found = inventory(&obj);
+        assert_eq!(found.triangles, expected.triangles);
+        assert!((found.area / expected.area - 1.0).abs() < 1e-5, "{} {}", found.area, expected.area);
+        for (a, b) in found.bounds.unwrap().as_flattened().iter().zip(expected.bounds.unwrap().as_flattened())
+        {
+            assert!((a - b).abs() < 1e-5, "{:?} {:?}", found.bounds, expected.bounds);
+        }
+        assert_eq!((found.materials.len(), found.emitters), (expected.materials.len(), expected.emitters));
+        for material in &gltf.materials {
+            let (a, b) = (principled(&obj, &material.name), principled(&gltf, &material.name));
+            for (x, y) in [(a.base_color, b.base_color), (a.emission, b.emission)] {
+                let off = (0..3).map(|c| (x[c] - y[c]).abs()).fold(0.0, f32::max);
+                assert!(off <= tolerance * y.max_channel().max(1.0), "{}: {x:?} {y:?}", material.name);
+            }
+            assert!((a.roughness - b.roughness).abs() <= tolerance, "{}", material.name);
+            assert_eq!((a.metallic, a.ior, a.specular), (b.metallic, b.ior, b.specular), "{}", material.name);
+            assert_eq!(a.textures.base_color.is_some(), b.textures.base_color.is_some(), "{}", material.name);
+        }
+        let [a, b] = [&obj, &gltf].map(|s| {
+            let camera = &s.cameras[0];
+            (camera.transform, camera.projection)
+        });
+        assert!(a.0.abs_diff_eq(b.0, 1e-5), "{:?} {:?}", a.0, b.0);
+    }
 }
