@@ -241,11 +241,14 @@ pub(super) struct InfoArgs {
 What is written:
   .toml  epsilux's own form: everything, for people
   .json  the same, for programs
+  .glb   glTF 2.0 in one file, for other programs; what glTF has no words for is in the
+         extension EPSILUX_scene, which they pass over
+  .gltf  the same as JSON, with NAME.bin beside it
   .obj   triangles; NAME.mtl with the materials as far as MTL goes, and NAME.epsilux.toml
          with all the rest: cameras, lights, spheres, environment, other materials
 
 Examples:
-  epsilux convert scenes/hexroom.toml room.json
+  epsilux convert scenes/hexroom.toml room.glb
   epsilux convert scenes/hexroom.toml room.obj --strict
       nothing is written if anything would be lost")]
 pub(super) struct ConvertArgs {

@@ -28,7 +28,11 @@ pub(super) fn read(args: &SceneArgs) -> Result<(Scene, Vec<Note>), Failure> {
             .help("`epsilux demo` renders a scene without any file"),
         other => Failure::load(other.to_string()),
     })?;
-    notes.extend(scene::validate(&mut scene).map_err(|e| Failure::load(format!("{name}: {e}")))?);
+    let more = scene::validate(&mut scene).map_err(|e| Failure::load(format!("{name}: {e}")))?;
+    // A reader that validates has said some of it already.
+    let known = |n: &Note| notes.iter().any(|k| (k.code, &k.message) == (n.code, &n.message));
+    let more: Vec<Note> = more.into_iter().filter(|n| !known(n)).collect();
+    notes.extend(more);
     Ok((scene, notes))
 }
 

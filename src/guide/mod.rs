@@ -24,19 +24,23 @@ pub mod from_obj {}
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
+#[doc = include_str!("report.md")]
+pub mod report {}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 7] = [
+    const PAGES: [(&str, &str); 8] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
         ("convert.md", include_str!("convert.md")),
         ("from-obj.md", include_str!("from-obj.md")),
         ("numbers.md", include_str!("numbers.md")),
+        ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),
     ];
 

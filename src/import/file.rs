@@ -28,6 +28,14 @@ pub(crate) fn read_regular(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, 
     Ok(bytes)
 }
 
+/// The bytes of the regular file at `path`, which `place` names.
+pub(crate) fn read_named(path: &Path, place: &str, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+    read_regular(path, budget).map_err(|fault| match fault {
+        Fault::File { path, reason } => Fault::File { path, reason: format!("{reason} ({place} names it)") },
+        other => other,
+    })
+}
+
 /// What a reference that stays in the scene's folder looks like.
 const BELOW: &str = "a relative path below the scene's folder, or a data: URI";
 

@@ -63,6 +63,27 @@ fn what_is_written_is_said_in_one_line() {
     assert_eq!(folder.read("again.toml"), folder.read("thrice.toml"));
 }
 
+/// The report's room through GLB, spheres and all, renders to the same picture, bit for bit.
+#[test]
+fn the_room_through_glb_renders_to_the_same_bytes() {
+    let folder = Folder::with_room();
+    folder.done("convert room.toml glb.glb");
+    folder.done("convert glb.glb back.toml");
+    let picture = |name: &str| {
+        folder.done(&format!("render {name} -o {name}.exr --size 32x32 --spp 4"));
+        epsilux::output::read_exr(&folder.path(&format!("{name}.exr"))).unwrap()
+    };
+    let room = picture("room.toml");
+    assert!(room.rgb.iter().any(|c| c.max_channel() > 0.1));
+    for name in ["glb.glb", "back.toml"] {
+        let other = picture(name);
+        let bits = |image: &epsilux::film::Image| -> Vec<[u32; 3]> {
+            image.rgb.iter().map(|c| c.to_array().map(f32::to_bits)).collect()
+        };
+        assert!(bits(&room) == bits(&other), "{name}");
+    }
+}
+
 /// What is refused is refused before anything is written.
 #[test]
 fn what_cannot_be_converted_is_refused() {

@@ -5,6 +5,7 @@
 //! that snapshots [`transcript`] of it.
 
 mod gltf;
+mod obj;
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -75,8 +76,12 @@ pub(crate) fn transcript(cases: Vec<Case>) -> String {
             Some(4) => {
                 assert_eq!(out, "", "{}", case.name);
                 // A file that the scene names is named itself, with the place that names it.
-                let is_placed = err.contains(case.scene) || err.contains(" names it)");
-                assert!(err.starts_with("error: ") && is_placed, "{}: {err}", case.name);
+                // The scene itself, or what belongs to it by name, such as `scene.epsilux.toml`.
+                let stem = case.scene.trim_end_matches(|c| c != '.');
+                let is_placed = err.contains(stem) || err.contains(" names it)");
+                // A mistake in the text form is shown with its line.
+                let is_error = err.starts_with("error: ") || err.trim_start().starts_with('\u{d7}');
+                assert!(is_error && is_placed, "{}: {err}", case.name);
                 assert!(err.len() < 1000, "{}: a short message: {err}", case.name);
                 err
             }

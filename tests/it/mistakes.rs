@@ -23,7 +23,10 @@ fn mistakes_are_explained() {
     );
     folder.write(
         "rough.toml",
-        room.replace("mirror = { mirror = [1, 1, 1] }", "mirror = { metallic = 1, roughness = 0.2 }"),
+        room.replace(
+            "mirror = { mirror = [1, 1, 1] }",
+            "mirror = { principled = { metallic = 1, roughness = 0.2 } }",
+        ),
     );
     folder.write("room.blend", "BLENDER-v500");
     folder.write("bytes.toml", b"\xff\xfe");

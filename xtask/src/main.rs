@@ -2,6 +2,7 @@
 
 mod blender;
 mod gltf;
+mod report_plot;
 mod tidy;
 
 use std::io::Write as _;
@@ -21,6 +22,7 @@ struct Arguments {
 enum Chore {
     Blender(blender::Arguments),
     GltfValidate(gltf::Arguments),
+    ReportPlot(report_plot::Arguments),
     Tidy(tidy::Arguments),
 }
 
@@ -28,6 +30,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().chore {
         Chore::Blender(arguments) => blender::run(&arguments),
         Chore::GltfValidate(arguments) => gltf::run(&arguments),
+        Chore::ReportPlot(arguments) => report_plot::run(&arguments),
         Chore::Tidy(arguments) => tidy::run(&arguments),
     };
     match done {

@@ -248,7 +248,7 @@ fn load(uri: &str, place: &str, folder: &Path, budget: &mut Budget) -> Result<Ve
         // No longer than its text, which was charged with the file.
         return bytes;
     }
-    file::read_regular(&file::resolve(folder, uri, &place)?, budget)
+    file::read_named(&file::resolve(folder, uri, &place)?, &place, budget)
 }
 
 /// Element `index` of `list`, or a fault at `place`.

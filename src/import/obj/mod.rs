@@ -17,7 +17,7 @@ mod polygon;
 mod sidecar;
 mod texture;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use super::budget::Budget;
@@ -47,7 +47,7 @@ pub(crate) fn read(bytes: &[u8], path: &Path, budget: &mut Budget) -> Result<(Sc
 
     let folder = path.parent().unwrap_or(Path::new(""));
     let sidecar = Sidecar::read(path, budget, &mut log)?;
-    let libraries = libraries(&parsed, folder, budget, &mut log);
+    let libraries = libraries(&parsed, folder, budget, &mut log)?;
     let mut loader = Loader { pictures: Pictures::new(folder), budget };
     let mut scene = Scene::default();
     let mut used =
@@ -74,11 +74,20 @@ fn libraries(
     folder: &Path,
     budget: &mut Budget,
     log: &mut Log,
-) -> HashMap<String, Source> {
+) -> Result<HashMap<String, Source>, Fault> {
     let mut sources: HashMap<String, Source> = HashMap::new();
+    let mut tried = 0;
+    let wanted: HashSet<&str> = parsed.materials.iter().map(|(name, _)| &**name).collect();
     for (named, number) in &parsed.libraries {
         for name in library_names(named, folder) {
             let place = line(*number);
+            tried += 1;
+            if tried > parse::MAX_LIBRARIES {
+                let message =
+                    format!("more than {} material libraries: the others are not read", parse::MAX_LIBRARIES);
+                log.add("mtllib-ignored", NoteEffect::Missing, place, message);
+                return Ok(sources);
+            }
             let text = match library(&name, folder, &place, budget) {
                 Ok(text) => text,
                 Err(fault) => {
@@ -88,18 +97,10 @@ fn libraries(
                     continue;
                 }
             };
-            for source in mtl::read(&text, &name, log) {
-                // The format: the first definition counts.
-                if let Some(first) = sources.get(&source.name) {
-                    let message = format!("{} is defined before, in {}", quoted(&source.name), first.place);
-                    log.add("material-redefined", NoteEffect::None, &*source.place, message);
-                } else {
-                    sources.insert(source.name.clone(), source);
-                }
-            }
+            mtl::read(&text, &name, &wanted, &mut sources, budget, log)?;
         }
     }
-    sources
+    Ok(sources)
 }
 
 /// The text of the library `name`; where its path leads nowhere, as one of another machine does, that of

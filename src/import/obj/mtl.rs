@@ -8,9 +8,11 @@
 //! Source: "MTL material format (Lightwave, OBJ)", Paul Bourke's copy of Wavefront's text, and the "PBR
 //! extension" of clara.io, which Blender writes.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
+use super::super::budget::Budget;
+use super::super::error::Fault;
 use super::lines::{Statements, blender_header, words};
 use super::log::{Log, quoted};
 use crate::scene::NoteEffect;
@@ -78,20 +80,49 @@ const MAPS: [(&str, &str); 24] = [
     ("decal", "decal"),
 ];
 
-/// Reads all materials of the library in `file`, the path from the scene's folder.
-pub(super) fn read(text: &str, file: &str, log: &mut Log) -> Vec<Source> {
+/// Bytes that a material takes here and in tobj, about.
+const MATERIAL_BYTES: u64 = 4096;
+
+/// Whose statements are read.
+enum Owner {
+    Nobody,
+    /// A material that no face uses, or that is defined before.
+    Skipped,
+    /// The last of the list.
+    Last,
+}
+
+/// Adds the materials of the library in `file`, a path from the scene's folder, to `sources`: those that
+/// are `wanted`, each by its first definition, as the format has it.
+pub(super) fn read(
+    text: &str,
+    file: &str,
+    wanted: &HashSet<&str>,
+    known: &mut HashMap<String, Source>,
+    budget: &mut Budget,
+    log: &mut Log,
+) -> Result<(), Fault> {
     let blender = blender_header(text).map(str::to_owned);
     let folder = file.rfind('/').map_or("", |at| &file[..=at]);
     let mut sources: Vec<Source> = Vec::new();
     let mut clean = String::new();
-    // Whether the statements belong to the last of `sources`.
-    let mut open = false;
+    let mut owner = Owner::Nobody;
+    let mut names = HashSet::new();
     for statement in Statements::new(text) {
         let place = format!("{file} line {}", statement.line);
         let (keyword, rest) = statement.split();
         if keyword.eq_ignore_ascii_case("newmtl") {
-            open = !rest.is_empty();
-            if open {
+            owner = Owner::Skipped;
+            if rest.is_empty() {
+                log.add("material-unnamed", NoteEffect::Differs, place, "`newmtl` without a name: left out");
+                owner = Owner::Nobody;
+            } else if known.contains_key(rest) || names.contains(rest) {
+                let message = format!("{} is defined before: the first definition counts", quoted(rest));
+                log.add("material-redefined", NoteEffect::None, place, message);
+            } else if wanted.contains(rest) {
+                budget.charge_bytes(1, MATERIAL_BYTES, &place)?;
+                owner = Owner::Last;
+                names.insert(rest.to_owned());
                 // By number, since tobj trims and joins names in its own way. Writing to a string cannot fail.
                 let _ = writeln!(clean, "newmtl {}", sources.len());
                 sources.push(Source {
@@ -103,12 +134,15 @@ pub(super) fn read(text: &str, file: &str, log: &mut Log) -> Vec<Source> {
                     lines: HashMap::new(),
                     file: file.to_owned(),
                 });
-            } else {
-                log.add("material-unnamed", NoteEffect::Differs, place, "`newmtl` without a name: left out");
             }
             continue;
         }
-        let Some(source) = sources.last_mut().filter(|_| open) else {
+        let source = match owner {
+            Owner::Skipped => continue,
+            Owner::Last => sources.last_mut(),
+            Owner::Nobody => None,
+        };
+        let Some(source) = source else {
             let message = "a statement outside any named material: ignored";
             log.add("statement-ignored", NoteEffect::None, place, message);
             continue;
@@ -130,7 +164,8 @@ pub(super) fn read(text: &str, file: &str, log: &mut Log) -> Vec<Source> {
             log.add("mtllib-unreadable", NoteEffect::Differs, file, message);
         }
     }
-    sources
+    known.extend(sources.into_iter().map(|s| (s.name.clone(), s)));
+    Ok(())
 }
 
 /// The statement in the form that tobj reads, or nothing and a note.

@@ -24,7 +24,7 @@ pub(super) const NONE: u32 = u32::MAX;
 /// The most vertices of a kind: indices are `u32`, and [`NONE`] is taken.
 const MAX_VERTICES: usize = u32::MAX as usize - 1;
 /// The most material libraries that one file may name.
-const MAX_LIBRARIES: usize = 256;
+pub(super) const MAX_LIBRARIES: usize = 256;
 
 /// A corner of a face: indices of position, texture coordinates and normal, the last two maybe [`NONE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -269,8 +269,8 @@ impl Parsed {
             let message = "a vertex colour outside 0 to 1: clamped";
             log.add("value-clamped", NoteEffect::Differs, line(statement.line), message);
         }
-        // `max` first: it drops NaN.
-        let linear = color.map(|c| srgb_to_linear(c.max(0.0).min(1.0)));
+        // What is not a number is black.
+        let linear = color.map(|c| if c.is_nan() { 0.0 } else { srgb_to_linear(c.clamp(0.0, 1.0)) });
         push(&mut self.colors, Vec3::from(linear), statement, meter)
     }
 

@@ -57,8 +57,8 @@ impl Triangulator {
         if size == 0.0 {
             return Cover::Empty;
         }
-        // Written so that NaN goes there too.
-        if !(normal.length() > 1e-12 * size) {
+        let length = normal.length();
+        if length.is_nan() || length <= 1e-12 * size {
             return self.without_normal(corners, size, out);
         }
 
@@ -117,8 +117,7 @@ impl Triangulator {
             for i in 2..n {
                 let t = [at(0), at(i - 1), at(i)];
                 let part = self.signed_area(t);
-                // Written so that NaN fails too.
-                if !(part > 0.0) {
+                if part.is_nan() || part <= 0.0 {
                     break;
                 }
                 covered += part;

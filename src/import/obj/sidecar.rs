@@ -7,7 +7,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::super::budget::Budget;
 use super::super::error::Fault;
@@ -92,7 +92,7 @@ impl Sidecar {
     }
 }
 
-fn read(path: &PathBuf, budget: &mut Budget, log: &mut Log) -> Result<(Scene, String), Fault> {
+fn read(path: &Path, budget: &mut Budget, log: &mut Log) -> Result<(Scene, String), Fault> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let folder = path.parent().unwrap_or(Path::new(""));
     // As any file that the scene consists of, it may not be a link that leads outside.

@@ -71,7 +71,7 @@ impl Pictures {
         budget: &mut Budget,
         notes: &mut Notes,
     ) -> Result<ImageId, Fault> {
-        let bytes = file::read_regular(path, budget)?;
+        let bytes = file::read_named(path, place, budget)?;
         let place = format!("{place}: {relative}");
         let decoded = decode(&bytes, &place, budget)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -7,7 +7,7 @@ use glam::{DAffine3, Vec3};
 
 use super::{MOST_LIGHTS, MOST_TRIANGLES, ReportError};
 use crate::color::Rgb;
-use crate::scene::{Material, MaterialKind, Note, NoteEffect, Scene, Shape, Sides};
+use crate::scene::{Material, MaterialKind, Note, NoteEffect, Scene, Shape, Sides, Textures};
 use crate::shape::triangle;
 
 /// A scene, flattened into world space.
@@ -116,6 +116,9 @@ impl Room {
             return Err(ReportError::Lights { found: lights.len() });
         }
         let environment = scene.environment.as_ref();
+        if let Some(e) = environment.filter(|e| e.image.is_some()) {
+            notes.push(note("report-environment", &e.name, "is rendered without its picture"));
+        }
         Ok(Self {
             objects,
             lights,
@@ -172,7 +175,8 @@ fn reduce(material: &Material, notes: &mut Vec<Note>) -> Surface {
             } else {
                 ("diffuse", Kind::Diffuse { rho: p.base_color })
             };
-            let what = format!("is principled and is rendered as {name}");
+            let bare = if p.textures == Textures::default() { "" } else { " without its textures" };
+            let what = format!("is principled and is rendered as {name}{bare}");
             notes.push(note("report-material", &material.name, &what));
             kind
         }

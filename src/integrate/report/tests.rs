@@ -312,7 +312,7 @@ fn refusals_and_notes() {
         @"found 65 triangles that emit, expected at most 64: the report's method sends a shadow ray to each of them"
     );
 
-    let rough = ball("metallic = 1, roughness = 0.5");
+    let rough = ball("principled = { metallic = 1, roughness = 0.5 }");
     let tracer = Tracer::new(&rough, &options([1, 1], 1)).unwrap();
     insta::assert_snapshot!(tracer.notes()[0], @r#""m" is principled and is rendered as a mirror"#);
 }

@@ -107,13 +107,15 @@ fn json_document(text: &str) -> Result<model::Document, TextError> {
     })
 }
 
-/// A scene in canonical TOML; [`parse_toml`] gives the same scene back, bit for bit, if it is valid.
+/// A scene in canonical TOML; [`parse_toml`] gives the same scene back, bit for bit, if it is valid and its
+/// pictures have files; of those the text has the names alone.
 #[must_use]
 pub fn to_toml(scene: &Scene) -> String {
     layout::toml(&write::tree(scene))
 }
 
-/// A scene in canonical JSON; [`parse_json`] gives the same scene back, bit for bit, if it is valid.
+/// A scene in canonical JSON; [`parse_json`] gives the same scene back, bit for bit, if it is valid and its
+/// pictures have files; of those the text has the names alone.
 #[must_use]
 pub fn to_json(scene: &Scene) -> String {
     layout::json(&write::tree(scene))

@@ -3,10 +3,14 @@
 use std::fmt::Debug;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use epsilux::glam::{DMat3, DVec3};
+use epsilux::glam::{DMat3, DVec3, Vec2};
 use epsilux::scene::{
-    Environment, Image, ImageId, MaterialKind, Mesh, Note, Object, Scene, Shape, Texels, Textures,
+    Channel, Environment, Image, ImageId, MaterialKind, Mesh, Note, Object, ScalarTexture, Scene, Shape,
+    Texels, Textures,
 };
+
+/// The channels of a colour.
+const RGB: [usize; 3] = [0, 1, 2];
 
 /// How well a format keeps numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +41,9 @@ pub(super) fn differences(
     let tolerance = held.tolerance();
     objects(a, b, notes, tolerance, &mut found);
     let all = !notes.iter().any(|n| n.code == "material-unused");
-    by_name("material", materials(a, all), materials(b, all), tolerance, &["material-changed"], &mut found);
+    let textured = !notes.iter().any(|n| n.code == "texture-lost");
+    let list = |s| materials(s, all, textured);
+    by_name("material", list(a), list(b), tolerance, &["material-changed"], &mut found);
     // Lights need no unique names; their order is kept.
     let lights = |s: &Scene| s.lights.iter().enumerate().map(|(i, l)| (i.to_string(), written(l))).collect();
     by_name("light", lights(a), lights(b), tolerance, &["light-lost"], &mut found);
@@ -47,7 +53,7 @@ pub(super) fn differences(
         found.push(("camera: another one is the first".into(), &[]));
     }
     let environment = |s: &Scene| written(&s.environment.as_ref().map(|e| sky(s, e)));
-    one("environment", &environment(a), &environment(b), tolerance, &["environment-image-lost"], &mut found);
+    one("environment", &environment(a), &environment(b), tolerance, &["texture-lost"], &mut found);
     one("settings", &written(&a.settings), &written(&b.settings), tolerance, &[], &mut found);
     one("title", &a.title, &b.title, 0.0, &["title-lost"], &mut found);
     let excused = |codes: &[&str]| notes.iter().any(|n| codes.contains(&n.code));
@@ -115,12 +121,21 @@ fn close(a: &str, b: &str, tolerance: f64) -> bool {
         })
 }
 
-/// Every material by name, or every one that is used, with the content of pictures in place of their numbers.
-fn materials(s: &Scene, all: bool) -> Vec<(String, String)> {
+/// Every material by name, or every one that is used, with or without its textures, with the content of pictures in place of their numbers.
+fn materials(s: &Scene, all: bool, textured: bool) -> Vec<(String, String)> {
     let used = |i: usize| s.objects.iter().any(|o| o.material.0 as usize == i);
     let kind = |kind: &MaterialKind| {
         let mut kind = kind.clone();
         if let MaterialKind::Principled(p) = &mut kind {
+            if !textured {
+                p.textures = Textures::default();
+            }
+            // glTF has one picture for both: the other comes back with a channel that changes nothing.
+            for (slot, factor) in
+                [(&mut p.textures.metallic, p.metallic), (&mut p.textures.roughness, p.roughness)]
+            {
+                *slot = slot.filter(|t| factor != 0.0 && !is_full(t, &s.images));
+            }
             name_pictures(&mut p.textures, &s.images);
         }
         written(&kind)
@@ -132,7 +147,7 @@ fn materials(s: &Scene, all: bool) -> Vec<(String, String)> {
 fn sky(s: &Scene, e: &Environment) -> Environment {
     let mut e = e.clone();
     if let Some(image) = &mut e.image {
-        image.image = content(image.image, &s.images);
+        image.image = content(image.image, &s.images, &RGB);
     }
     e
 }
@@ -141,7 +156,7 @@ fn name_pictures(t: &mut Textures, images: &[Image]) {
     for t in
         [&mut t.base_color, &mut t.emission, &mut t.specular_color, &mut t.sheen_color].into_iter().flatten()
     {
-        t.image = content(t.image, images);
+        t.image = content(t.image, images, &RGB);
     }
     let scalars = [
         &mut t.alpha,
@@ -154,22 +169,46 @@ fn name_pictures(t: &mut Textures, images: &[Image]) {
         &mut t.sheen_roughness,
     ];
     for t in scalars.into_iter().flatten() {
-        t.texture.image = content(t.texture.image, images);
+        t.texture.image = content(t.texture.image, images, &[index(t.channel)]);
+        // Which one it is does not matter: formats put several numbers into one picture.
+        t.channel = Channel::R;
     }
     for t in [&mut t.normal, &mut t.coat_normal].into_iter().flatten() {
-        t.texture.image = content(t.texture.image, images);
+        t.texture.image = content(t.texture.image, images, &RGB);
     }
 }
 
-/// A number that stands for what a picture shows.
-fn content(id: ImageId, images: &[Image]) -> ImageId {
+/// Whether a channel is one everywhere.
+fn is_full(t: &ScalarTexture, images: &[Image]) -> bool {
+    let channel = index(t.channel);
+    match &images[t.texture.image.0 as usize].pixels.as_ref().unwrap().texels {
+        Texels::Byte(texels) => texels.iter().all(|t| t[channel] == u8::MAX),
+        Texels::Short(texels) => texels.iter().all(|t| t[channel] == u16::MAX),
+        Texels::Float(texels) => texels.iter().all(|t| t.get(channel).is_none_or(|&v| v == 1.0)),
+    }
+}
+
+fn index(channel: Channel) -> usize {
+    match channel {
+        Channel::R => 0,
+        Channel::G => 1,
+        Channel::B => 2,
+        Channel::A => 3,
+    }
+}
+
+/// A number that stands for what these channels of a picture show.
+fn content(id: ImageId, images: &[Image], channels: &[usize]) -> ImageId {
     let mut hasher = DefaultHasher::new();
     let pixels = images[id.0 as usize].pixels.as_ref().unwrap();
     (pixels.width, pixels.height).hash(&mut hasher);
-    match &pixels.texels {
-        Texels::Byte(t) => t.hash(&mut hasher),
-        Texels::Short(t) => t.hash(&mut hasher),
-        Texels::Float(t) => t.iter().flatten().for_each(|c| c.to_bits().hash(&mut hasher)),
+    for &c in channels {
+        match &pixels.texels {
+            // A byte is as much as the short of the same share.
+            Texels::Byte(t) => t.iter().for_each(|t| (u16::from(t[c]) * 257).hash(&mut hasher)),
+            Texels::Short(t) => t.iter().for_each(|t| t[c].hash(&mut hasher)),
+            Texels::Float(t) => t.iter().for_each(|t| t.get(c).map(|v| v.to_bits()).hash(&mut hasher)),
+        }
     }
     ImageId(hasher.finish() as u32)
 }
@@ -244,7 +283,9 @@ fn print_mesh(mesh: &Mesh, o: &Object, empty: Print) -> Print {
     p.middle = over(p.middle);
     let seen = p.triangles > 0;
     p.normal = (seen && !mesh.normals.is_empty()).then(|| over(sums[0]));
-    p.uvs = [0, 1].map(|k| (seen && !mesh.uvs[k].is_empty()).then(|| over(sums[1 + k])));
+    // Zeros say nothing either: a set that is asked for and not there is written as zeros.
+    let has = |k: usize| mesh.uvs[k].iter().any(|uv| *uv != Vec2::ZERO);
+    p.uvs = [0, 1].map(|k| (seen && has(k)).then(|| over(sums[1 + k])));
     // White says nothing: some formats want a colour everywhere or nowhere.
     let white = mesh.colors.iter().all(|c| c.to_array() == [1.0; 4]);
     let color = over(sums[3]);
@@ -273,7 +314,7 @@ fn objects<'a>(a: &Scene, b: &Scene, notes: &[Note], tolerance: f64, found: &mut
                 if said("vertex-alpha-lost") {
                     c[3] = 1.0;
                 }
-                if said("value-clamped") {
+                if said("value-clamped") || said("vertex-colors-clamped") {
                     c[..3].iter_mut().for_each(|c| *c = c.min(1.0));
                 }
             }
