@@ -388,10 +388,11 @@ mod tests {
     const MU: [f32; 8] = [0.004, 0.02, 0.08, 0.15, 0.4, 0.77, 0.98, 1.0];
 
     /// The largest difference between tables and the rows of constant materials, over roughness, cosine and
-    /// roots of F0: of white, both dielectrics, the coat; of the grazing share; and of averages.
-    fn worst(tables: &Tables, roughness: &[f32], roots: &[f32]) -> [f32; 3] {
+    /// roots of F0: of white, of a dielectric from outside, of the coat; of the grazing share; of averages;
+    /// and of a dielectric from inside, whose albedo has a kink where total reflection sets in.
+    fn worst(tables: &Tables, roughness: &[f32], roots: &[f32]) -> [f32; 4] {
         let mut rows = Rows::default();
-        let mut worst = [0.0f32; 3];
+        let mut worst = [0.0f32; 4];
         let mut note = |i: usize, off: f32| worst[i] = worst[i].max(off.abs());
         for &alpha in &roughness.iter().map(|r| r * r).collect::<Vec<_>>() {
             for mu in MU {
@@ -399,9 +400,9 @@ mod tests {
                 let (white, exact) = (hit.white(alpha), rows.white(alpha));
                 note(0, white.at(mu) - exact.at(mu));
                 note(2, white.average() - exact.average());
-                for (a, b) in hit.dielectric(alpha, 1.5).iter().zip(rows.dielectric(alpha, 1.5)) {
-                    note(0, a.at(mu) - b.at(mu));
-                }
+                let ([a, b], [c, d]) = (hit.dielectric(alpha, 1.5), rows.dielectric(alpha, 1.5));
+                note(0, a.at(mu) - c.at(mu));
+                note(3, b.at(mu) - d.at(mu));
                 note(0, hit.coat(alpha, 1.5).at(mu) - rows.coat(alpha, 1.5).at(mu));
                 for s in roots {
                     let (eta, f0) = ((1.0 + s) / (1.0 - s), s * s);
@@ -413,13 +414,13 @@ mod tests {
         worst
     }
 
-    /// Guards interpolation over roughness: within 1.5e-3 of what a constant material of the same
+    /// Guards interpolation over roughness: within 1e-3 (inside of a dielectric 3e-3) of what a constant material of the same
     /// parameters gets (the rows themselves are within 4e-4 of the truth).
     #[test]
     fn tables_follow_the_rows_over_roughness() {
         let span = Span::new(None, [0.2, 0.2], Some(1.5)).coat(1.5, None);
         let worst = worst(&Tables::new(span), &ROUGHNESS, &[0.2]);
-        assert!(worst.iter().all(|w| *w < 1.5e-3), "{worst:?}");
+        assert!(worst[..3].iter().all(|w| *w < 1e-3) && worst[3] < 3e-3, "{worst:?}");
     }
 
     /// Guards interpolation over F0 at a constant roughness.

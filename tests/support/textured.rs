@@ -108,7 +108,7 @@ fn lays() -> Vec<(String, Scene)> {
     });
     list.push(("base colour by the second set, roughness by the first".into(), second));
     let shorts = laid_ball(true, |scene| {
-        let texels = noise(3, 20).iter().map(|t| t.map(|b| u16::from(b) * 257 ^ 0x55)).collect();
+        let texels = noise(3, 20).iter().map(|t| t.map(|b| (u16::from(b) * 257) ^ 0x55)).collect();
         let texture = Texture::new(add_image(scene, 5, 4, Texels::Short(texels)));
         principled(|p| p.textures.base_color = Some(texture))
     });

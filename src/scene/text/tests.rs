@@ -46,7 +46,8 @@ fn every_scene_of_the_project_reads_without_notes_and_survives_writing() {
 fn every_key_of_pictures_and_layers_arrives() {
     let source = include_str!("../../../fixtures/text/textures.toml");
     let (scene, notes) = parse(source).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(notes, []);
+    // The fixture has the one key that arrives and is not rendered yet.
+    assert!(notes.iter().all(|n| n.code == "coat-normal-ignored"), "{notes:?}");
     for key in schema()["$defs"]["PrincipledTable"]["properties"].as_object().unwrap().keys() {
         let about = ["texture", "alpha", "cutoff", "coat", "sheen"].iter().any(|w| key.contains(w));
         assert!(!about || source.contains(&format!("\n{key} = ")), "the fixture lacks {key}");
