@@ -26,7 +26,7 @@ const STYLES: Styles = Styles::styled()
     name = "epsilux",
     version,
     styles = STYLES,
-    about = "Renders glTF and TOML scenes by path tracing, and says what the picture rests on",
+    about = "Renders and converts glTF, OBJ and TOML scenes, and says what a picture rests on",
     after_help = "\
 Examples:
   epsilux demo                                       a picture without any file: hexroom.png

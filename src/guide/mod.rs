@@ -133,6 +133,7 @@ mod tests {
             include_str!("../import/obj/sidecar.rs"),
             include_str!("../import/obj/texture.rs"),
             include_str!("../scene/defaults.rs"),
+            include_str!("../scene/pictures.rs"),
         ];
         let mut count = 0;
         for (name, page) in PAGES {

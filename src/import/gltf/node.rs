@@ -322,13 +322,6 @@ impl Builder<'_> {
             return;
         }
         let mesh = &self.meshes.list[mesh.0 as usize];
-        if let Some((_, t)) = p.textures.iter().find(|(_, t)| mesh.uvs[usize::from(t.uv_set)].is_empty()) {
-            let message = format!(
-                "the material's textures lie on TEXCOORD_{}, which is not there: they show one texel",
-                t.uv_set
-            );
-            self.notes.add("uvs-missing", NoteEffect::Differs, format!("{place}.attributes"), message);
-        }
         if !mesh.colors.is_empty() && p.base_color.is_black() && !p.emission.is_black() {
             let message = "vertex colours do not tint what a surface emits";
             let place = format!("{place}.attributes.COLOR_0");

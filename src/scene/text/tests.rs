@@ -444,7 +444,8 @@ proptest! {
         scene.images.iter_mut().for_each(|image| image.pixels = None);
         let toml = to_toml(&scene);
         let (read, notes) = parse(&toml).map_err(|e| TestCaseError::fail(format!("{e}\n{toml}")))?;
-        prop_assert!(notes.is_empty());
+        // What validation says of a scene without fault is about what is not rendered.
+        prop_assert!(notes.iter().all(|n| n.code == "coat-normal-ignored"), "{notes:?}");
         prop_assert!(same(&read, &scene), "{toml}\n{read:?}\n{scene:?}");
         prop_assert_eq!(to_toml(&read), toml);
         let json = to_json(&scene);
