@@ -97,7 +97,7 @@ fn bent_polygons_are_covered() {
 fn a_star_of_twenty_thousand_corners_takes_seconds() {
     let corner = |i: u32| {
         let t = f64::from(i) / 20_000.0 * std::f64::consts::TAU;
-        let r = if i % 2 == 0 { 100.0 } else { 60.0 };
+        let r = if i.is_multiple_of(2) { 100.0 } else { 60.0 };
         [r * libm::cos(t), r * libm::sin(t)]
     };
     let star: Vec<[f64; 2]> = (0..20_000).map(corner).collect();

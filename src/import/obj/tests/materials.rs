@@ -188,7 +188,7 @@ fn maps_are_placed_and_found() {
     check("t.png -bm 2", "t.png", |m| m.strength = Some(2.0));
     check("-mm 0 1 -t 0 0 0 -texres 512 -blendu off t.png", "t.png", |_| ());
     check("-mm 0.1 2 -type sphere t.png", "t.png", |m| {
-        m.ignored = vec!["-mm 0.1 2".into(), "-type sphere".into()]
+        m.ignored = vec!["-mm 0.1 2".into(), "-type sphere".into()];
     });
     check("-s 1 2", "2", |_| ());
     check("textures\\sub\\t.png", "textures/sub/t.png", |_| ());
