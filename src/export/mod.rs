@@ -2,7 +2,7 @@
 //!
 //! In: a scene that [`crate::scene::validate`] has passed. Out: files in memory, and a [`Note`] for
 //! whatever the format cannot hold; a caller that refuses notes has then written nothing. `convert`
-//! is [`crate::import::read`] followed by [`encode`] and [`write`].
+//! is [`crate::import::read`] followed by [`encode`] and [`write()`].
 
 mod files;
 mod gltf;

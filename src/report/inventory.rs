@@ -269,7 +269,7 @@ mod tests {
 
         use glam::{DAffine3, Vec2, Vec3};
 
-        use crate::scene::{Image, Material, MaterialId, MaterialKind, MeshId, Pixels, Principled, Texels};
+        use crate::scene::{Image, Material, MaterialId, MaterialKind, MeshId, Pixels, Texels};
 
         let mesh = Mesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
@@ -285,7 +285,7 @@ mod tests {
             visible_to_camera: true,
         };
         let pixels = Pixels { width: 3, height: 2, texels: Texels::Byte(vec![[0; 4]; 6]) };
-        let kind = MaterialKind::Principled(Box::new(Principled::default()));
+        let kind = MaterialKind::Principled(Box::default());
         let scene = Scene {
             meshes: vec![mesh],
             objects: vec![object.clone(), object],

@@ -34,7 +34,7 @@
 //! *Textures and vertex colours* are interpolated with the weights of a triangle's corners; `texture.rs` says
 //! how pictures are read, `varying.rs` what they multiply. Where a mesh has no texture coordinates, and on
 //! spheres, they are (0, 0). Normal maps: with n and t the interpolated normal and tangent in the mesh's own
-//! space ([`crate::scene::tangents`]; the sign w is that of the first corner), neither made unit, texel
+//! space (`scene/tangents.rs`; the sign w is that of the first corner), neither made unit, texel
 //! (x, y, z) = 2 texel - 1 with x and y times the scale means x t + y w (n x t) + z n, which goes to the world
 //! as normals do. It replaces ns where (it.wo)(ng.wo) > 0 and the mesh has a frame.
 //!
