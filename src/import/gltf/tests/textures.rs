@@ -106,9 +106,9 @@ fn opaque_and_unlit_materials_read_less() {
     set(&mut doc, "/materials/0/alphaMode", json!("MASK"));
     let (scene, _) = read(&doc).unwrap();
     let p = principled(&scene, 0);
-    let texture = Some(Texture::new(ImageId(0)));
-    let alpha = Some(ScalarTexture { texture: texture.unwrap(), channel: Channel::A });
-    assert_eq!(p.textures, Textures { emission: texture, alpha, ..Textures::default() });
+    let texture = Texture::new(ImageId(0));
+    let alpha = Some(ScalarTexture { texture, channel: Channel::A });
+    assert_eq!(p.textures, Textures { emission: Some(texture), alpha, ..Textures::default() });
     assert_eq!((p.base_color, p.emission), (Rgb::BLACK, Rgb::WHITE));
 }
 
