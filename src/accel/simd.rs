@@ -39,8 +39,8 @@ impl Features {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn closest_avx2(accel: &Accel, ray: &Ray, from: PrimitiveId, camera: bool) -> Option<Hit> {
-    traverse::closest::<wide::Wide>(accel, ray, from, camera)
+fn closest_avx2(accel: &Accel, ray: &Ray, skip: [PrimitiveId; 2], camera: bool) -> Option<Hit> {
+    traverse::closest::<wide::Wide>(accel, ray, skip, camera)
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -50,8 +50,8 @@ fn occluded_avx2(accel: &Accel, ray: &Ray, between: [PrimitiveId; 2]) -> bool {
 }
 
 #[inline(never)]
-fn closest_portable(accel: &Accel, ray: &Ray, from: PrimitiveId, camera: bool) -> Option<Hit> {
-    traverse::closest::<F8>(accel, ray, from, camera)
+fn closest_portable(accel: &Accel, ray: &Ray, skip: [PrimitiveId; 2], camera: bool) -> Option<Hit> {
+    traverse::closest::<F8>(accel, ray, skip, camera)
 }
 
 #[inline(never)]
@@ -61,14 +61,14 @@ fn occluded_portable(accel: &Accel, ray: &Ray, between: [PrimitiveId; 2]) -> boo
 
 #[inline]
 #[cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "a kernel for detected instructions"))]
-pub(super) fn closest(accel: &Accel, ray: &Ray, from: PrimitiveId, camera: bool) -> Option<Hit> {
+pub(super) fn closest(accel: &Accel, ray: &Ray, skip: [PrimitiveId; 2], camera: bool) -> Option<Hit> {
     #[cfg(target_arch = "x86_64")]
     if accel.features.avx2 {
         // SAFETY: the only requirement of `closest_avx2` is that the CPU has the instructions it names,
         // and `avx2` is true only where `Features::detect` found all of them.
-        return unsafe { closest_avx2(accel, ray, from, camera) };
+        return unsafe { closest_avx2(accel, ray, skip, camera) };
     }
-    closest_portable(accel, ray, from, camera)
+    closest_portable(accel, ray, skip, camera)
 }
 
 #[inline]

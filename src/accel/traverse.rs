@@ -378,10 +378,15 @@ impl Accept for Any {
 }
 
 #[inline(always)]
-pub(super) fn closest<L: Lanes>(accel: &Accel, ray: &Ray, from: PrimitiveId, camera: bool) -> Option<Hit> {
+pub(super) fn closest<L: Lanes>(
+    accel: &Accel,
+    ray: &Ray,
+    skip: [PrimitiveId; 2],
+    camera: bool,
+) -> Option<Hit> {
     let mut best = Closest(None);
     let mut t_max = ray.t_max;
-    hits::<L, _>(accel, Query { ray, skip: [from, PrimitiveId::NONE], camera }, &mut t_max, &mut best);
+    hits::<L, _>(accel, Query { ray, skip, camera }, &mut t_max, &mut best);
     best.0
 }
 

@@ -4,12 +4,10 @@
 //! term 1 / (1 + Lambda_o + Lambda_i), and both are divided by their total albedo, so that untinted
 //! glass loses nothing at any roughness.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
 use super::fresnel::{dielectric, refract};
-use super::tables::AlbedoRow;
+use super::tables::Albedo;
 use super::{Transport, ggx};
 use crate::color::Rgb;
 
@@ -25,7 +23,7 @@ pub struct RoughDielectric {
     /// True for a sheet that light passes without bending.
     pub thin: bool,
     /// Total single-scattering albedo for light incident from outside and from inside.
-    pub total: [Arc<AlbedoRow>; 2],
+    pub total: [Albedo; 2],
 }
 
 /// `wo` and `wi` turned so that `wo` is above, and eta as seen from there.

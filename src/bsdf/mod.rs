@@ -12,12 +12,14 @@ mod diffuse;
 pub mod fresnel;
 pub mod ggx;
 mod glass;
+pub mod layers;
 mod mirror;
 mod principled;
 pub mod tables;
 
 pub use diffuse::Diffuse;
 pub use glass::Glass;
+pub use layers::{Charlie, Coat, Sheen};
 pub use mirror::Mirror;
 pub use principled::{Principled, Specular};
 
@@ -62,8 +64,9 @@ impl BsdfSample {
     }
 }
 
-/// A prepared material.
+/// A prepared material. It lies on the stack where it is made for a hit, so nothing in it is boxed.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant)]
 pub enum Bsdf {
     /// Absorbs everything.
     Black,
@@ -74,7 +77,7 @@ pub enum Bsdf {
     /// A smooth dielectric.
     Glass(Glass),
     /// Everything else.
-    Principled(Box<Principled>),
+    Principled(Principled),
 }
 
 /// True where both directions lie strictly on the same side.
@@ -92,7 +95,7 @@ impl Bsdf {
         match self {
             Self::Black | Self::Mirror(_) | Self::Glass(_) => true,
             Self::Diffuse(_) => false,
-            Self::Principled(p) => p.alpha < SMOOTH_ALPHA && (p.metal == 1.0 || p.transmission == 1.0),
+            Self::Principled(p) => p.is_delta(),
         }
     }
 
@@ -104,6 +107,17 @@ impl Bsdf {
             Self::Black | Self::Mirror(_) | Self::Diffuse(_) => false,
             Self::Glass(_) => true,
             Self::Principled(p) => p.transmission > 0.0 && p.metal < 1.0,
+        }
+    }
+
+    /// What layers on top leave of light that the surface itself emits, where `mu` in [0, 1] is the cosine
+    /// at which it leaves; one where there are none.
+    #[inline]
+    #[must_use]
+    pub fn emission_scale(&self, mu: f32) -> f32 {
+        match self {
+            Self::Principled(p) => p.below_layers(mu),
+            Self::Black | Self::Mirror(_) | Self::Glass(_) | Self::Diffuse(_) => 1.0,
         }
     }
 

@@ -1,4 +1,5 @@
-//! The principled material: metal, and a dielectric layer over diffuse or transmission.
+//! The principled material: metal, and a dielectric layer over diffuse or transmission, all of it below
+//! the layers of [`super::layers`].
 //!
 //! Layering follows Blender: a lower layer receives what the directional albedo of the layer above
 //! leaves, 1 - A(mu_o). Rough lobes are compensated for the multiple scattering that the
@@ -8,13 +9,12 @@
 //!
 //! With alpha below [`SMOOTH_ALPHA`] the dielectric and metallic lobes are delta lobes.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
 use super::dielectric::RoughDielectric;
 use super::fresnel::{dielectric, schlick};
-use super::tables::AlbedoRow;
+use super::layers::{Coat, Sheen};
+use super::tables::Albedo;
 use super::{BsdfSample, Diffuse, Glass, SMOOTH_ALPHA, Transport, ggx, same_side};
 use crate::color::Rgb;
 
@@ -28,7 +28,7 @@ pub struct Specular {
     /// The index whose reflectance at normal incidence is `f0`.
     pub eta: f32,
     /// Share of the grazing term in the lobe's albedo; `None` for a smooth layer.
-    pub grazing: Option<Arc<AlbedoRow>>,
+    pub grazing: Option<Albedo>,
     /// Cosine-weighted average of the Fresnel term.
     pub average: Rgb,
 }
@@ -65,11 +65,15 @@ pub struct Principled {
     /// The specular layer; `None` where the index is one or the layer is off.
     pub specular: Option<Specular>,
     /// Albedo of the uncompensated white reflection lobe; `None` where smooth.
-    pub white: Option<Arc<AlbedoRow>>,
+    pub white: Option<Albedo>,
     /// The transmissive lobes where rough.
     pub rough: Option<RoughDielectric>,
     /// The transmissive lobes where smooth.
     pub smooth: Glass,
+    /// A clear coat over all of this.
+    pub coat: Option<Coat>,
+    /// Fibres over the coat.
+    pub sheen: Option<Sheen>,
 }
 
 /// Shares of the energy at one outgoing direction, which are the probabilities of sampling each lobe.
@@ -82,6 +86,17 @@ struct Shares {
     /// Scale of the metal lobe and of the specular lobe.
     metal_scale: Rgb,
     specular_scale: Rgb,
+    /// Albedo of all lobes, roughly.
+    albedo: f32,
+}
+
+/// The same for the layers on top of it all.
+struct Layers {
+    sheen: f32,
+    coat: f32,
+    /// What the fibres leave to the coat, and both to the rest.
+    below_sheen: f32,
+    below_coat: f32,
 }
 
 impl Principled {
@@ -128,7 +143,40 @@ impl Principled {
             below,
             metal_scale,
             specular_scale,
+            albedo: sum,
         }
+    }
+
+    /// True where every lobe is a delta lobe.
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        self.is_smooth()
+            && (self.metal == 1.0 || self.transmission == 1.0)
+            && self.sheen.is_none()
+            && self.coat.as_ref().is_none_or(Coat::is_smooth)
+    }
+
+    fn has_layers(&self) -> bool {
+        self.coat.is_some() || self.sheen.is_some()
+    }
+
+    /// What coat and sheen leave of light that leaves the rest of the material at the cosine `mu`, [0, 1].
+    #[inline]
+    #[must_use]
+    pub fn below_layers(&self, mu: f32) -> f32 {
+        let below_sheen = self.sheen.as_ref().map_or(1.0, |s| 1.0 - s.albedo(mu));
+        below_sheen * self.coat.as_ref().map_or(1.0, |c| 1.0 - c.albedo(mu))
+    }
+
+    fn layers(&self, mu: f32, base: f32) -> Layers {
+        let sheen = self.sheen.as_ref().map_or(0.0, |s| s.albedo(mu));
+        let below_sheen = 1.0 - sheen;
+        let coat = self.coat.as_ref().map_or(0.0, |c| c.albedo(mu));
+        let below_coat = below_sheen * (1.0 - coat);
+        let coat = below_sheen * coat;
+        let sum = sheen + coat + below_coat * base;
+        let inv = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        Layers { sheen: sheen * inv, coat: coat * inv, below_sheen, below_coat }
     }
 
     /// Fresnel terms of metal and specular layer at `cos`, with their shares and scales.
@@ -148,7 +196,71 @@ impl Principled {
     /// BSDF value and density of everything that is not a delta lobe.
     #[must_use]
     pub fn f_and_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
-        self.evaluate(wo, wi, transport, &self.shares(wo.z.abs()))
+        let s = self.shares(wo.z.abs());
+        if self.has_layers() {
+            let layers = self.layers(wo.z.abs(), s.albedo);
+            self.evaluate_layers(wo, wi, transport, &s, &layers)
+        } else {
+            self.evaluate(wo, wi, transport, &s)
+        }
+    }
+
+    fn evaluate_layers(
+        &self,
+        wo: Vec3,
+        wi: Vec3,
+        transport: Transport,
+        s: &Shares,
+        layers: &Layers,
+    ) -> (Rgb, f32) {
+        let base_share = (1.0 - layers.sheen - layers.coat).max(0.0);
+        let (f, pdf) = self.evaluate(wo, wi, transport, s);
+        let (mut f, mut pdf) = (f * layers.below_coat, pdf * base_share);
+        if same_side(wo, wi) {
+            let sign = 1.0f32.copysign(wo.z);
+            let (wo, wi) = (Vec3::new(wo.x, wo.y, wo.z * sign), Vec3::new(wi.x, wi.y, wi.z * sign));
+            if let Some(coat) = &self.coat {
+                let (g, p) = coat.f_and_pdf(wo, wi);
+                f += Rgb::grey(g * layers.below_sheen);
+                pdf += layers.coat * p;
+            }
+            if let Some(sheen) = &self.sheen {
+                let (g, p) = sheen.f_and_pdf(wo, wi);
+                f += g;
+                pdf += layers.sheen * p;
+            }
+        }
+        (f, pdf)
+    }
+
+    /// A layer in proportion to its share of the energy (`u[0]`), then a direction of it.
+    fn sample_layers(&self, wo: Vec3, u: [f32; 3], transport: Transport) -> Option<BsdfSample> {
+        let s = self.shares(wo.z.abs());
+        let layers = self.layers(wo.z.abs(), s.albedo);
+        let sign = 1.0f32.copysign(wo.z);
+        let turn = |w: Vec3| Vec3::new(w.x, w.y, w.z * sign);
+        let above = layers.sheen + layers.coat;
+        let (wi, eta) = if let Some(sheen) = self.sheen.as_ref().filter(|_| u[0] < layers.sheen) {
+            (turn(sheen.sample([u[1], u[2]])), 1.0)
+        } else if let Some(coat) = self.coat.as_ref().filter(|_| u[0] < above) {
+            if coat.is_smooth() {
+                let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+                let weight = Rgb::grey(layers.below_sheen * coat.albedo(wo.z.abs()) / layers.coat);
+                return BsdfSample { wi, weight, pdf: layers.coat, delta: true, eta: 1.0 }.checked();
+            }
+            (turn(coat.sample(turn(wo), [u[1], u[2]])?), 1.0)
+        } else {
+            let share = 1.0 - above;
+            let choice = ((u[0] - above) / share).clamp(0.0, crate::math::ONE_MINUS_EPSILON);
+            let sample = self.sample_base(wo, [choice, u[1], u[2]], transport, &s)?;
+            if sample.delta {
+                let weight = sample.weight * (layers.below_coat / share);
+                return BsdfSample { weight, pdf: sample.pdf * share, ..sample }.checked();
+            }
+            (sample.wi, sample.eta)
+        };
+        let (f, pdf) = self.evaluate_layers(wo, wi, transport, &s, &layers);
+        BsdfSample { wi, weight: f * (wi.z.abs() / pdf), pdf, delta: false, eta }.checked()
     }
 
     fn evaluate(&self, wo: Vec3, wi: Vec3, transport: Transport, s: &Shares) -> (Rgb, f32) {
@@ -184,13 +296,19 @@ impl Principled {
     /// A lobe in proportion to its share of the energy (`u[0]`), then a direction of it.
     #[must_use]
     pub fn sample(&self, wo: Vec3, u: [f32; 3], transport: Transport) -> Option<BsdfSample> {
-        let s = self.shares(wo.z.abs());
+        if self.has_layers() {
+            return self.sample_layers(wo, u, transport);
+        }
+        self.sample_base(wo, u, transport, &self.shares(wo.z.abs()))
+    }
+
+    fn sample_base(&self, wo: Vec3, u: [f32; 3], transport: Transport, s: &Shares) -> Option<BsdfSample> {
         let (choice, u) = (u[0], [u[1], u[2]]);
         let (wi, eta) = if choice < s.diffuse {
             (Diffuse { color: self.base }.sample(wo, u).map(|b| b.wi)?, 1.0)
         } else if choice < s.diffuse + s.reflect {
             if self.is_smooth() {
-                let weight = self.reflectance(wo.z.abs(), &s) / s.reflect;
+                let weight = self.reflectance(wo.z.abs(), s) / s.reflect;
                 let wi = Vec3::new(-wo.x, -wo.y, wo.z);
                 return BsdfSample { wi, weight, pdf: s.reflect, delta: true, eta: 1.0 }.checked();
             }
@@ -217,7 +335,7 @@ impl Principled {
                 }
             }
         };
-        let (f, pdf) = self.evaluate(wo, wi, transport, &s);
+        let (f, pdf) = self.evaluate(wo, wi, transport, s);
         BsdfSample { wi, weight: f * (wi.z.abs() / pdf), pdf, delta: false, eta }.checked()
     }
 }

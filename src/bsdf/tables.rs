@@ -4,6 +4,8 @@
 //! the last two fixed by the material, one row remains. Rows are computed by quadrature over visible
 //! normals in `prepare`, once for each pair, and interpolated.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::fresnel::{dielectric, refract};
@@ -60,6 +62,42 @@ impl AlbedoRow {
     #[must_use]
     pub fn average(&self) -> f32 {
         self.average
+    }
+}
+
+/// A directional albedo as a lobe reads it: over every cosine, or at the one that it will be asked for.
+#[derive(Clone, Debug)]
+pub enum Albedo {
+    /// Over every cosine.
+    Row(Arc<AlbedoRow>),
+    /// Looked up already, for the cosine of one hit.
+    Value {
+        /// The albedo there.
+        at: f32,
+        /// The cosine-weighted average over all cosines.
+        average: f32,
+    },
+}
+
+impl Albedo {
+    /// The albedo at the cosine `mu`.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, mu: f32) -> f32 {
+        match self {
+            Self::Row(row) => row.at(mu),
+            Self::Value { at, .. } => *at,
+        }
+    }
+
+    /// The cosine-weighted average.
+    #[inline]
+    #[must_use]
+    pub fn average(&self) -> f32 {
+        match self {
+            Self::Row(row) => row.average(),
+            Self::Value { average, .. } => *average,
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::units;
 use crate::import::LightUnits;
+use crate::integrate::report::Slips;
 use crate::prepare::EffectsMode;
 use crate::scene::ToneCurve;
 
@@ -25,12 +26,13 @@ const STYLES: Styles = Styles::styled()
     name = "epsilux",
     version,
     styles = STYLES,
-    about = "Renders glTF and TOML scenes by path tracing, and says what the picture rests on",
+    about = "Renders and converts glTF, OBJ and TOML scenes, and says what a picture rests on",
     after_help = "\
 Examples:
   epsilux demo                                       a picture without any file: hexroom.png
   epsilux render scenes/hexroom.toml -o room.png     render a scene
   epsilux explain scenes/hexroom.toml                what would be simulated, and why
+  epsilux convert scenes/hexroom.toml room.obj       the same scene in another format
   epsilux compare room.exr reference.exr             is the difference more than noise?
 
 Exit codes:
@@ -47,6 +49,7 @@ pub(super) enum Command {
     Render(RenderArgs),
     Explain(ExplainArgs),
     Info(InfoArgs),
+    Convert(ConvertArgs),
     Compare(CompareArgs),
     Demo(DemoArgs),
     /// Print the JSON Schema of the scene's text form, for editors
@@ -56,7 +59,15 @@ Examples:
 
 An editor that knows TOML or JSON schemas then completes and checks scenes whose first line is
   #:schema epsilux.schema.json")]
-    Schema,
+    Schema(SchemaArgs),
+}
+
+/// Which schema.
+#[derive(Args, Debug)]
+pub(super) struct SchemaArgs {
+    /// Print that of the glTF extension EPSILUX_scene instead
+    #[arg(long)]
+    pub(super) extension: bool,
 }
 
 /// Where the scene is, and how to read it.
@@ -150,6 +161,11 @@ pub(super) struct RenderArgs {
     #[arg(long, value_enum, default_value_t)]
     pub(super) method: Method,
 
+    /// With --method report: with the report's slips, all of them or those listed; the guide's page "The
+    /// report, formula by formula" says what each does
+    #[arg(long, value_enum, value_name = "SLIPS", value_delimiter = ',', num_args = 0.., require_equals = true)]
+    pub(super) as_printed: Option<Vec<SlipArg>>,
+
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(super) seed: u64,
@@ -214,6 +230,38 @@ pub(super) struct InfoArgs {
     /// Print JSON (epsilux.info/1)
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// Convert a scene into another format, chosen by the suffix of OUT
+///
+/// Notes say what was not understood of IN, and what OUT cannot hold. Pictures are copied into the folder
+/// NAME.images beside OUT. Files that are there are replaced, but never the scene that is read.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+What is written:
+  .toml  epsilux's own form: everything, for people
+  .json  the same, for programs
+  .glb   glTF 2.0 in one file, for other programs; what glTF has no words for is in the
+         extension EPSILUX_scene, which they pass over
+  .gltf  the same as JSON, with NAME.bin beside it
+  .obj   triangles; NAME.mtl with the materials as far as MTL goes, and NAME.epsilux.toml
+         with all the rest: cameras, lights, spheres, environment, other materials
+
+Examples:
+  epsilux convert scenes/hexroom.toml room.glb
+  epsilux convert scenes/hexroom.toml room.obj --strict
+      nothing is written if anything would be lost")]
+pub(super) struct ConvertArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+
+    /// The file to write
+    #[arg(value_name = "OUT")]
+    pub(super) output: PathBuf,
+
+    /// Write nothing (exit code 5) where something would be lost or changed
+    #[arg(long)]
+    pub(super) strict: bool,
 }
 
 /// Compare two images, and say whether their difference is more than noise
@@ -349,6 +397,47 @@ pub(super) enum Method {
     Default,
     /// Slow and obvious brute force in double precision, to check the default against
     Reference,
+    /// As in the report "Monte Carlo Ray Tracing" (2021), corrected: one ray in each quarter of the pixel
+    /// (--spp is rounded up to 1 or a multiple of 4), a tree of at most 12 events (--max-depth)
+    Report,
+}
+
+/// A slip of the report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum SlipArg {
+    /// 2.4: the wrong edge in Q; no triangle is hit
+    QVector,
+    /// 3.1: without the area of the light
+    Area,
+    /// 3.1: without 1/pi
+    InversePi,
+    /// 3.1: divided by the number of lights
+    LightCount,
+    /// 3.1: "larger than one"; no direct light
+    ShadowComparison,
+    /// 3.3: a pi too many
+    ExtraPi,
+    /// 3.4: roulette the wrong way round
+    RouletteSign,
+    /// 3.5, 3.6: the angle inside of the glass; a line in it
+    Schlick,
+}
+
+impl SlipArg {
+    /// The slips of a list; all of them where it is empty.
+    pub(super) fn slips(list: &[Self]) -> Slips {
+        let has = |slip| list.is_empty() || list.contains(&slip);
+        Slips {
+            q_vector: has(Self::QVector),
+            area: has(Self::Area),
+            inverse_pi: has(Self::InversePi),
+            light_count: has(Self::LightCount),
+            shadow_comparison: has(Self::ShadowComparison),
+            extra_pi: has(Self::ExtraPi),
+            roulette_sign: has(Self::RouletteSign),
+            schlick_inside_angle: has(Self::Schlick),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -14,16 +14,26 @@ pub(super) struct Loaded {
 
 /// Reads, validates and completes the scene that was asked for.
 pub(super) fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
+    let (scene, notes) = read(args)?;
+    Ok(complete(scene, notes))
+}
+
+/// Reads and validates the scene that was asked for, as it is.
+pub(super) fn read(args: &SceneArgs) -> Result<(Scene, Vec<Note>), Failure> {
     let name = args.scene.display().to_string();
     let options = ReadOptions { light_units: args.light_units.into(), ..ReadOptions::default() };
     let (mut scene, mut notes) = import::read(&args.scene, &options).map_err(|error| match error {
-        ImportError::Text { error, text, .. } => Failure::text(&name, text, &error),
+        ImportError::Text { path, error, text } => Failure::text(&path.display().to_string(), text, &error),
         ImportError::File { .. } if !args.scene.exists() => Failure::load(format!("{name}: no such file"))
             .help("`epsilux demo` renders a scene without any file"),
         other => Failure::load(other.to_string()),
     })?;
-    notes.extend(scene::validate(&mut scene).map_err(|e| Failure::load(format!("{name}: {e}")))?);
-    Ok(complete(scene, notes))
+    let more = scene::validate(&mut scene).map_err(|e| Failure::load(format!("{name}: {e}")))?;
+    // A reader that validates has said some of it already.
+    let known = |n: &Note| notes.iter().any(|k| (k.code, &k.message) == (n.code, &n.message));
+    let more: Vec<Note> = more.into_iter().filter(|n| !known(n)).collect();
+    notes.extend(more);
+    Ok((scene, notes))
 }
 
 /// A scene from text that is called `name`.

@@ -7,6 +7,7 @@
 mod args;
 mod compare;
 mod console;
+mod convert;
 mod demo;
 mod explain;
 mod failure;
@@ -74,8 +75,9 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Render(args) => render::run(&args, arguments, console),
         Command::Explain(args) => explain::run(&args, console),
         Command::Info(args) => info::run(&args, console),
+        Command::Convert(args) => convert::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),
         Command::Demo(args) => demo::run(&args, arguments, console),
-        Command::Schema => schema::run(console),
+        Command::Schema(args) => schema::run(&args, console),
     }
 }

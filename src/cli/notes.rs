@@ -48,15 +48,19 @@ pub(super) fn show(notes: &[Note], verbose: bool, console: &Console) {
     }
 }
 
+/// What a render does with a scene that `--strict` refuses.
+pub(super) const RENDERED: &str = "without --strict the scene is rendered as far as it is understood";
+
 /// Refuses a scene with notes that concern the picture.
-pub(super) fn refuse(notes: &[Note]) -> Result<(), Failure> {
+///
+/// `help` says what happens without `--strict`.
+pub(super) fn refuse(notes: &[Note], help: &str) -> Result<(), Failure> {
     let mut serious = notes.iter().filter(|n| n.effect != NoteEffect::None);
     match (serious.next(), serious.count()) {
         (None, _) => Ok(()),
         (Some(first), 0) => Err(Failure::strict(format!("refused by --strict: {first}"))),
         (Some(first), more) => {
-            Err(Failure::strict(format!("refused by --strict: {first} (and {more} more)"))
-                .help("without --strict the scene is rendered as far as it is understood"))
+            Err(Failure::strict(format!("refused by --strict: {first} (and {more} more)")).help(help))
         }
     }
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use sha2::{Digest, Sha256};
 
 use super::Code;
-use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs};
+use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs, SlipArg};
 use super::compare::unusable;
 use super::console::Console;
 use super::failure::Failure;
@@ -20,10 +20,11 @@ use super::signal::Stop;
 use super::units::show_time;
 use crate::film::{Image, Refusal};
 use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
-use crate::integrate::{self, BadSample, Control, Counters, Progress, RenderError, RenderOptions};
+use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tracer, rays_per_pixel};
+use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
 use crate::prepare::{self, EffectsMode, Plan, PrepareError};
-use crate::scene::{Camera, Scene, text};
+use crate::scene::{Camera, Note, Scene, Texels, text};
 
 pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) -> Result<Code, Failure> {
     let begin = Instant::now();
@@ -34,7 +35,7 @@ pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) 
     let loaded = load::load(&args.scene)?;
     let job = Job::from_args(args, &loaded.scene, outputs)?;
     if args.strict {
-        notes::refuse(&loaded.notes)?;
+        notes::refuse(&loaded.notes, notes::RENDERED)?;
     }
     job.run(loaded, begin, arguments, console)
 }
@@ -59,17 +60,22 @@ fn check_flags(args: &RenderArgs, outputs: &[PathBuf]) -> Result<(), Failure> {
         return Err(Failure::usage("--aov: layers fit only into .exr files, and no output is one")
             .help("add an output such as -o layers.exr"));
     }
-    if args.method == Method::Reference {
-        let without: [(&str, bool); 5] = [
-            ("--time", args.time.is_some()),
-            ("--aov", !args.aov.is_empty()),
-            ("--transparent", args.transparent),
-            ("--effects", EffectsMode::from(args.effects) != EffectsMode::Auto),
-            ("--progress json", args.progress == ProgressArg::Json),
-        ];
-        if let Some((flag, _)) = without.into_iter().find(|(_, given)| *given) {
-            return Err(Failure::usage(format!("{flag} is not available with --method reference")));
-        }
+    let (name, progress) = match args.method {
+        Method::Default => ("default", true),
+        Method::Reference => ("reference", false),
+        Method::Report => ("report", true),
+    };
+    let others = args.method != Method::Default;
+    let without: [(&str, bool); 6] = [
+        ("--time", others && args.time.is_some()),
+        ("--aov", others && !args.aov.is_empty()),
+        ("--transparent", others && args.transparent),
+        ("--effects", others && EffectsMode::from(args.effects) != EffectsMode::Auto),
+        ("--progress json", !progress && args.progress == ProgressArg::Json),
+        ("--as-printed", args.method != Method::Report && args.as_printed.is_some()),
+    ];
+    if let Some((flag, _)) = without.into_iter().find(|(_, given)| *given) {
+        return Err(Failure::usage(format!("{flag} is not available with --method {name}")));
     }
     Ok(())
 }
@@ -109,7 +115,9 @@ pub(super) struct Job {
     aovs: Vec<Aov>,
     tone: Tone,
     method: Method,
+    slips: Slips,
     progress: ProgressArg,
+    strict: bool,
     quiet: bool,
     verbose: bool,
 }
@@ -124,6 +132,21 @@ struct Rendered {
     counters: Option<Counters>,
     refused: u64,
     bad: Vec<BadSample>,
+}
+
+impl Rendered {
+    fn new(outcome: Outcome, plan: Plan) -> Self {
+        Self {
+            image: outcome.film.to_image(),
+            passes: [outcome.passes.start, outcome.passes.end],
+            plan,
+            partial: outcome.partial,
+            threads: outcome.threads,
+            counters: Some(outcome.counters),
+            refused: outcome.film.refused_total(),
+            bad: outcome.bad,
+        }
+    }
 }
 
 impl Job {
@@ -149,7 +172,9 @@ impl Job {
             aovs: Vec::new(),
             tone: Tone { curve: hints.tone.unwrap_or_default(), exposure: hints.exposure.unwrap_or(0.0) },
             method: Method::Default,
+            slips: Slips::NONE,
             progress: ProgressArg::Auto,
+            strict: false,
             quiet: false,
             verbose: false,
         }
@@ -177,7 +202,13 @@ impl Job {
         job.tone.curve = args.tone.map_or(job.tone.curve, Into::into);
         job.tone.exposure = args.exposure.unwrap_or(job.tone.exposure);
         job.method = args.method;
+        job.slips = args.as_printed.as_deref().map_or(Slips::NONE, SlipArg::slips);
+        if job.method == Method::Report {
+            job.passes = rays_per_pixel(job.passes);
+            job.prepare.max_depth = job.prepare.max_depth.or(Some(Shortcuts::REPORT.depth));
+        }
         job.progress = args.progress;
+        job.strict = args.strict;
         job.quiet = args.quiet;
         job.verbose = args.verbose;
         Ok(job)
@@ -191,7 +222,7 @@ impl Job {
         arguments: &[OsString],
         console: &Console,
     ) -> Result<Code, Failure> {
-        let Loaded { scene, notes } = loaded;
+        let Loaded { scene, mut notes } = loaded;
         let load = begin.elapsed().as_secs_f64();
         if !self.quiet {
             notes::show(&notes, self.verbose, console);
@@ -201,6 +232,7 @@ impl Job {
         let (mut rendered, prepare) = match self.method {
             Method::Default => self.render(&scene, &watch, console)?,
             Method::Reference => (self.render_reference(&scene, &watch)?, 0.0),
+            Method::Report => (self.render_report(&scene, &watch, &mut notes, console)?, 0.0),
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
@@ -254,21 +286,54 @@ impl Job {
             RenderError::Crop { .. } => Failure::usage(format!("--crop: {e}")),
             RenderError::NoPasses | RenderError::Threads { .. } => Failure::usage(e.to_string()),
         })?;
-        let rendered = Rendered {
-            image: outcome.film.to_image(),
-            passes: [outcome.passes.start, outcome.passes.end],
-            plan: prepared.plan.clone(),
-            partial: outcome.partial,
-            threads: outcome.threads,
-            counters: Some(outcome.counters),
-            refused: outcome.film.refused_total(),
-            bad: outcome.bad,
+        Ok((Rendered::new(outcome, prepared.plan.clone()), seconds))
+    }
+
+    /// The report's method; what it renders otherwise is added to the notes.
+    fn render_report(
+        &self,
+        scene: &Scene,
+        watch: &Watch<'_>,
+        notes: &mut Vec<Note>,
+        console: &Console,
+    ) -> Result<Rendered, Failure> {
+        let camera = self.camera_index(scene);
+        let options = ReportOptions {
+            camera,
+            size: self.prepare.size,
+            crop: self.crop,
+            rays: self.passes,
+            seed: self.prepare.seed,
+            threads: self.threads,
+            slips: self.slips,
+            shortcuts: Shortcuts {
+                depth: self.prepare.max_depth.unwrap_or(Shortcuts::REPORT.depth),
+                ..Shortcuts::REPORT
+            },
         };
-        Ok((rendered, seconds))
+        let failure = |e: ReportError| match e {
+            ReportError::Render(RenderError::Crop { .. }) => Failure::usage(format!("--crop: {e}")),
+            ReportError::Render(_) => Failure::usage(e.to_string()),
+            _ => Failure::load(format!("{}: {e}", self.scene_name)),
+        };
+        let tracer = Tracer::new(scene, &options).map_err(failure)?;
+        if self.strict {
+            notes::refuse(tracer.notes(), notes::RENDERED)?;
+        }
+        if !self.quiet {
+            notes::show(tracer.notes(), self.verbose, console);
+        }
+        notes.extend(tracer.notes().iter().cloned());
+        let outcome = tracer.render(&options, watch).map_err(failure)?;
+        Ok(Rendered::new(outcome, prepare::analyse(scene, &scene.cameras[camera], &self.prepare)))
+    }
+
+    fn camera_index(&self, scene: &Scene) -> usize {
+        scene.cameras.iter().position(|c| c.name == self.camera).unwrap_or(0)
     }
 
     fn render_reference(&self, scene: &Scene, watch: &Watch<'_>) -> Result<Rendered, Failure> {
-        let index = scene.cameras.iter().position(|c| c.name == self.camera).unwrap_or(0);
+        let index = self.camera_index(scene);
         let options = ReferenceOptions {
             camera: index,
             size: self.prepare.size,
@@ -325,8 +390,11 @@ impl Job {
             ("max_depth", self.prepare.max_depth.map_or("none".to_owned(), |d| d.to_string())),
             ("effects", effects),
         ];
-        if self.method == Method::Default {
+        if self.method != Method::Reference {
             list.push(("replications", rendered.plan.replications.to_string()));
+        }
+        if self.method == Method::Report && self.slips != Slips::NONE {
+            list.push(("slips", self.slips.names().join(", ")));
         }
         if rendered.partial {
             list.push(("partial", "some pixels have no samples".to_owned()));
@@ -338,6 +406,7 @@ impl Job {
         match self.method {
             Method::Default => "default",
             Method::Reference => "reference",
+            Method::Report => "report",
         }
     }
 
@@ -347,7 +416,7 @@ impl Job {
         hash: &'a str,
         seconds: Seconds,
         stopped_by_signal: bool,
-        notes: &'a [crate::scene::Note],
+        notes: &'a [Note],
         arguments: &[OsString],
     ) -> Report<'a> {
         let rays = rendered.counters.map(|c| c.rays);
@@ -443,9 +512,18 @@ fn reason(refusal: Refusal) -> &'static str {
     }
 }
 
-/// SHA-256 of the scene's canonical form.
+/// SHA-256 of the scene's canonical form and of its pictures, which that only names.
 fn scene_hash(scene: &Scene) -> String {
-    Sha256::digest(text::to_json(scene)).iter().map(|b| format!("{b:02x}")).collect()
+    let mut hash = Sha256::new_with_prefix(text::to_json(scene));
+    for pixels in scene.images.iter().filter_map(|i| i.pixels.as_ref()) {
+        hash.update(pixels.width.to_le_bytes());
+        match &pixels.texels {
+            Texels::Byte(t) => t.iter().for_each(|t| hash.update(t)),
+            Texels::Short(t) => t.iter().flatten().for_each(|c| hash.update(c.to_le_bytes())),
+            Texels::Float(t) => t.iter().flatten().for_each(|c| hash.update(c.to_le_bytes())),
+        }
+    }
+    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// Drops the layers that were not asked for.

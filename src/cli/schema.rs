@@ -1,12 +1,14 @@
 //! `epsilux schema`
 
 use super::Code;
+use super::args::SchemaArgs;
 use super::console::Console;
 use super::failure::Failure;
-use crate::scene::text;
+use crate::scene::{extension, text};
 
-pub(super) fn run(console: &Console) -> Result<Code, Failure> {
-    console.result(&to_json(&text::schema())?)?;
+pub(super) fn run(args: &SchemaArgs, console: &Console) -> Result<Code, Failure> {
+    let schema = if args.extension { extension::schema() } else { text::schema() };
+    console.result(&to_json(&schema)?)?;
     Ok(Code::Done)
 }
 

@@ -2,13 +2,19 @@
 //!
 //! In: a scene that [`crate::scene::validate`] has passed. Out: files in memory, and a [`Note`] for
 //! whatever the format cannot hold; a caller that refuses notes has then written nothing. `convert`
-//! is [`crate::import::read`] followed by [`encode`] and [`write`].
+//! is [`crate::import::read`] followed by [`encode`] and [`write()`].
 
-use std::io;
+mod files;
+mod gltf;
+mod obj;
+mod text;
+
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use crate::output::write_bytes;
-use crate::scene::{Note, Scene, text};
+use crate::scene::text::Syntax;
+use crate::scene::{Note, Scene};
 
 /// What a scene can be written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,17 +23,35 @@ pub enum Format {
     Toml,
     /// The same as JSON.
     Json,
+    /// glTF 2.0 as JSON, with its buffer and pictures beside it.
+    Gltf,
+    /// glTF 2.0 in one binary file.
+    Glb,
+    /// Wavefront OBJ, with materials, and a sidecar for what it cannot say.
+    Obj,
 }
 
 impl Format {
-    /// The format that a path's suffix asks for.
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Toml, Self::Json, Self::Gltf, Self::Glb, Self::Obj];
+
+    /// Suffix without its dot.
+    #[must_use]
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Toml => "toml",
+            Self::Json => "json",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
+            Self::Obj => "obj",
+        }
+    }
+
+    /// The format that a path's suffix asks for, in any case.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
-        match &*path.extension()?.to_string_lossy().to_ascii_lowercase() {
-            "toml" => Some(Self::Toml),
-            "json" => Some(Self::Json),
-            _ => None,
-        }
+        let suffix = path.extension()?.to_str()?;
+        Self::ALL.into_iter().find(|f| f.suffix().eq_ignore_ascii_case(suffix))
     }
 }
 
@@ -60,6 +84,20 @@ pub enum ExportError {
         /// What was said.
         source: io::Error,
     },
+    /// A picture is none.
+    #[error("the picture \"{name}\" cannot be written: {reason}")]
+    Picture {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The format cannot hold so much.
+    #[error("{name}: the scene needs more than 4 GiB, which a GLB file cannot hold; write .gltf instead")]
+    TooLarge {
+        /// The file.
+        name: String,
+    },
 }
 
 /// Converts a scene; `name` is the file name that it will have, on which the names of other files are
@@ -68,14 +106,13 @@ pub enum ExportError {
 /// # Errors
 /// See [`ExportError`].
 pub fn encode(scene: &Scene, format: Format, name: &str) -> Result<Encoded, ExportError> {
-    let own = |bytes: String| Encoded {
-        files: vec![OutFile { path: name.to_owned(), bytes: bytes.into_bytes() }],
-        notes: Vec::new(),
-    };
-    Ok(match format {
-        Format::Toml => own(text::to_toml(scene)),
-        Format::Json => own(text::to_json(scene)),
-    })
+    match format {
+        Format::Toml => text::encode(scene, Syntax::Toml, name),
+        Format::Json => text::encode(scene, Syntax::Json, name),
+        Format::Gltf => gltf::encode(scene, name, false),
+        Format::Glb => gltf::encode(scene, name, true),
+        Format::Obj => obj::encode(scene, name),
+    }
 }
 
 /// Writes the files below `folder`, each whole or not at all.
@@ -85,6 +122,10 @@ pub fn encode(scene: &Scene, format: Format, name: &str) -> Result<Encoded, Expo
 pub fn write(files: &[OutFile], folder: &Path) -> Result<(), ExportError> {
     for file in files {
         let path = folder.join(&file.path);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent)
+                .map_err(|source| ExportError::Write { path: parent.to_path_buf(), source })?;
+        }
         write_bytes(&path, &file.bytes)
             .map_err(|source| ExportError::Write { path: path.clone(), source })?;
     }

@@ -12,8 +12,20 @@ pub mod scene_format {}
 #[doc = include_str!("from-blender.md")]
 pub mod from_blender {}
 
+#[doc = include_str!("extension.md")]
+pub mod extension {}
+
+#[doc = include_str!("convert.md")]
+pub mod convert {}
+
+#[doc = include_str!("from-obj.md")]
+pub mod from_obj {}
+
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
+
+#[doc = include_str!("report.md")]
+pub mod report {}
 
 #[cfg(test)]
 mod tests {
@@ -21,11 +33,14 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 5] = [
+    const PAGES: [(&str, &str); 8] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
+        ("convert.md", include_str!("convert.md")),
+        ("from-obj.md", include_str!("from-obj.md")),
         ("numbers.md", include_str!("numbers.md")),
+        ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),
     ];
 
@@ -104,13 +119,21 @@ mod tests {
     #[test]
     fn notes_in_the_guide_exist() {
         let sources = [
+            include_str!("../export/obj/mod.rs"),
             include_str!("../import/gltf/extension.rs"),
             include_str!("../import/gltf/light.rs"),
             include_str!("../import/gltf/material.rs"),
             include_str!("../import/gltf/mesh.rs"),
             include_str!("../import/gltf/mod.rs"),
             include_str!("../import/gltf/node.rs"),
+            include_str!("../import/obj/clean.rs"),
+            include_str!("../import/obj/material.rs"),
+            include_str!("../import/obj/mod.rs"),
+            include_str!("../import/obj/parse.rs"),
+            include_str!("../import/obj/sidecar.rs"),
+            include_str!("../import/obj/texture.rs"),
             include_str!("../scene/defaults.rs"),
+            include_str!("../scene/pictures.rs"),
         ];
         let mut count = 0;
         for (name, page) in PAGES {

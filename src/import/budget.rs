@@ -46,3 +46,15 @@ impl Budget {
         }
     }
 }
+
+/// `count` copies of `value`, which have been charged, or a fault where there is no memory for them.
+pub(crate) fn filled<T: Clone>(count: usize, value: T, place: &str) -> Result<Vec<T>, Fault> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count).map_err(|_| Fault::Unsupported {
+        place: place.into(),
+        feature: format!("a list that takes {} bytes of memory", count.saturating_mul(size_of::<T>())),
+        help: "there is not as much free".into(),
+    })?;
+    list.resize(count, value);
+    Ok(list)
+}

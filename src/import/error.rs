@@ -63,6 +63,8 @@ pub(crate) enum Fault {
     Text { error: Box<TextError>, text: String },
     /// Becomes [`ImportError::Unsupported`].
     Unsupported { place: String, feature: String, help: String },
+    /// About another file than the one that is read, which it names itself.
+    Elsewhere(Box<ImportError>),
 }
 
 impl Fault {
@@ -73,6 +75,34 @@ impl Fault {
         expected: impl Into<String>,
     ) -> Self {
         Self::Invalid { place: place.into(), found: found.into(), expected: expected.into() }
+    }
+
+    /// What is wrong, as part of a note; files are named from `folder`.
+    pub(crate) fn reason(&self, folder: &Path) -> String {
+        match self {
+            Self::File { path, reason } => {
+                format!("{}: {reason}", path.strip_prefix(folder).unwrap_or(path).display())
+            }
+            Self::Invalid { place, found, expected } => {
+                format!("{place}: found {found}, expected {expected}")
+            }
+            Self::Text { error, .. } => error.to_string(),
+            Self::Unsupported { place, feature, help } => {
+                format!("{place}: {feature} is not supported; {help}")
+            }
+            Self::Elsewhere(error) => error.to_string(),
+        }
+    }
+
+    /// What is wrong, as a clause, for whoever says the place in a way of their own.
+    pub(crate) fn clause(&self) -> String {
+        match self {
+            Self::File { path, reason } => format!("{}: {reason}", path.display()),
+            Self::Invalid { found, expected, .. } => format!("found {found}, expected {expected}"),
+            Self::Text { error, .. } => error.to_string(),
+            Self::Unsupported { feature, help, .. } => format!("{feature} is not supported; {help}"),
+            Self::Elsewhere(error) => error.to_string(),
+        }
     }
 
     /// Names the file.
@@ -86,6 +116,7 @@ impl Fault {
             Self::Unsupported { place, feature, help } => {
                 ImportError::Unsupported { path: file.into(), place, feature, help }
             }
+            Self::Elsewhere(error) => *error,
         }
     }
 }

@@ -28,20 +28,42 @@ pub(crate) fn read_regular(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, 
     Ok(bytes)
 }
 
+/// The bytes of the regular file at `path`, which `place` names.
+pub(crate) fn read_named(path: &Path, place: &str, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+    read_regular(path, budget).map_err(|fault| match fault {
+        Fault::File { path, reason } => Fault::File { path, reason: format!("{reason} ({place} names it)") },
+        other => other,
+    })
+}
+
+/// What a reference that stays in the scene's folder looks like.
+const BELOW: &str = "a relative path below the scene's folder, or a data: URI";
+
 /// The file that the relative reference `uri` names, which must lie below `folder`.
 pub(crate) fn resolve(folder: &Path, uri: &str, place: &str) -> Result<PathBuf, Fault> {
-    let below = "a relative path below the scene's folder, or a data: URI";
-    let fault = |found: String| Fault::invalid(place, found, below);
+    below(folder, &relative(uri, place)?, place)
+}
+
+/// The relative path that `uri` stands for: no scheme, and %-escapes undone.
+pub(crate) fn relative(uri: &str, place: &str) -> Result<String, Fault> {
+    let fault = |found: String| Fault::invalid(place, found, BELOW);
     let colon = uri.find(':').unwrap_or(usize::MAX);
     if colon < uri.find('/').unwrap_or(usize::MAX) {
         return Err(fault(format!("the scheme {:?}", &uri[..=colon])));
     }
-    let decoded = percent_decode(uri)
+    percent_decode(uri)
         .and_then(|bytes| String::from_utf8(bytes).ok())
-        .filter(|s| !s.is_empty() && !s.contains(['\0', '\\']))
-        .ok_or_else(|| fault(format!("{uri:?}, which is no path")))?;
+        .ok_or_else(|| fault(format!("{uri:?}, which is no path")))
+}
+
+/// The file at the path `relative` from `folder`, which must lie below it.
+pub(crate) fn below(folder: &Path, relative: &str, place: &str) -> Result<PathBuf, Fault> {
+    let fault = |found: String| Fault::invalid(place, found, BELOW);
+    if relative.is_empty() || relative.contains(['\0', '\\']) {
+        return Err(fault(format!("{relative:?}, which is no path")));
+    }
     let mut depth = 0_i64;
-    for part in Path::new(&decoded).components() {
+    for part in Path::new(relative).components() {
         depth += match part {
             Component::Normal(_) => 1,
             Component::CurDir => 0,
@@ -49,11 +71,11 @@ pub(crate) fn resolve(folder: &Path, uri: &str, place: &str) -> Result<PathBuf, 
             Component::RootDir | Component::Prefix(_) => i64::MIN / 2,
         };
         if depth < 0 {
-            return Err(fault(format!("{uri:?}, which leads outside")));
+            return Err(fault(format!("{relative:?}, which leads outside")));
         }
     }
     // Symbolic links may lead outside as well.
-    let path = folder.join(&decoded);
+    let path = folder.join(relative);
     let real = |p: &Path| {
         p.canonicalize().map_err(|e| Fault::File {
             path: path.clone(),
@@ -64,8 +86,21 @@ pub(crate) fn resolve(folder: &Path, uri: &str, place: &str) -> Result<PathBuf, 
     if real(&path)?.starts_with(folder) {
         Ok(path)
     } else {
-        Err(fault(format!("{uri:?}, a link that leads outside")))
+        Err(fault(format!("{relative:?}, a link that leads outside")))
     }
+}
+
+/// `relative` without `.` and `..`, and with `/` between names.
+pub(crate) fn tidy(relative: &str) -> String {
+    let mut names: Vec<std::borrow::Cow<'_, str>> = Vec::new();
+    for part in Path::new(relative).components() {
+        match part {
+            Component::Normal(name) => names.push(name.to_string_lossy()),
+            Component::ParentDir => _ = names.pop(),
+            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
+        }
+    }
+    names.join("/")
 }
 
 /// The bytes in a `data:` URI, or `None` where `uri` is of another kind.

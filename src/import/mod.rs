@@ -13,10 +13,13 @@ mod error;
 mod file;
 mod gltf;
 mod names;
+mod obj;
+mod picture;
 mod text;
 
 use std::path::Path;
 
+use crate::scene::text::Syntax;
 use crate::scene::{Note, Scene, notes};
 
 use budget::Budget;
@@ -70,7 +73,7 @@ fn read_file(path: &Path, options: &ReadOptions) -> Result<(Scene, Vec<Note>), F
     let suffix = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let mut budget = Budget::new(options);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let known = ["gltf", "glb", "json", "toml"].contains(&&*suffix);
+    let known = ["gltf", "glb", "json", "obj", "toml"].contains(&&*suffix);
     let bytes = file::read_regular(path, &mut budget)?;
     if bytes.starts_with(gltf::GLB_MAGIC) || suffix == "glb" {
         return gltf::read_glb(&bytes, folder, options, &mut budget);
@@ -79,12 +82,14 @@ fn read_file(path: &Path, options: &ReadOptions) -> Result<(Scene, Vec<Note>), F
         return Err(Fault::Unsupported {
             place: "suffix".into(),
             feature: if suffix.is_empty() { "a file without a suffix".into() } else { format!(".{suffix}") },
-            help: "readable are .gltf and .glb (glTF 2.0), and .toml and .json with the key `epsilux`".into(),
+            help: "readable are .gltf and .glb (glTF 2.0), .obj, and .toml and .json with the key `epsilux`"
+                .into(),
         });
     }
     match &*suffix {
-        "toml" => text::read_toml(bytes),
-        "json" if !text::is_gltf(&bytes) => text::read_json(bytes),
+        "obj" => obj::read(&bytes, path, &mut budget),
+        "toml" => text::read(bytes, Syntax::Toml, folder, &mut budget),
+        "json" if !text::is_gltf(&bytes) => text::read(bytes, Syntax::Json, folder, &mut budget),
         _ => gltf::read_json(&bytes, folder, options, &mut budget),
     }
 }
@@ -135,11 +140,11 @@ mod tests {
         DIR/cut.glb: header.length: found 255788, though the file has 1000 bytes, expected the length of the file (is it truncated?)
         DIR/text.glb: header.magic: found [68, 65, 6c, 6c], expected "glTF"
         DIR/empty.glb: header: found 0 bytes, expected at least 12
-        DIR/scene.blend: suffix: .blend is not supported; readable are .gltf and .glb (glTF 2.0), and .toml and .json with the key `epsilux`
-        DIR/scene: suffix: a file without a suffix is not supported; readable are .gltf and .glb (glTF 2.0), and .toml and .json with the key `epsilux`
+        DIR/scene.blend: suffix: .blend is not supported; readable are .gltf and .glb (glTF 2.0), .obj, and .toml and .json with the key `epsilux`
+        DIR/scene: suffix: a file without a suffix is not supported; readable are .gltf and .glb (glTF 2.0), .obj, and .toml and .json with the key `epsilux`
         DIR/empty.gltf: line 1 column 0 of the JSON text: found a fault (EOF while parsing a value), expected JSON
         gltf.json: 0 objects
-        DIR/scene.json: line 1, column 16: unknown key `asset`; expected one of `$schema`, `epsilux`, `title`, `up`, `render`, `camera`, `material`, `mesh`, `object`, `light`, `environment`
+        DIR/scene.json: line 1, column 16: unknown key `asset`; expected one of `$schema`, `epsilux`, `title`, `up`, `render`, `camera`, `image`, `material`, `mesh`, `object`, `light`, `environment`
         DIR/scene.toml: line 2, column 1: unknown key `objct`; did you mean `object`?
         DIR/latin1.toml: byte 14: found an invalid sequence, expected UTF-8
         DIR/missing.glb: no such file

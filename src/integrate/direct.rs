@@ -1,11 +1,13 @@
 //! Next-event estimation.
 
-use super::li::{Counters, interior};
+use super::li::{Counters, FAR_CAP, interior};
 use super::scatter;
+use crate::accel::PrimitiveId;
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
-use crate::light::LightContext;
-use crate::prepare::{Effect, Effects, Prepared};
+use crate::light::{LightContext, LightSample};
+use crate::prepare::{Detail, Effect, Effects, Prepared};
+use crate::shape::{Ray, offset_origin};
 
 /// The share of a sample found with density `own` where the other way would have found it with density
 /// `other`: Veach's power heuristic with exponent two, as a ratio, so that no density is squared before
@@ -42,11 +44,24 @@ pub(super) fn direct_light<const FX: u32>(
     let weight = if light.delta { 1.0 } else { mis_weight(light.pdf, pdf) };
     let cos = light.wi.dot(frame.ns()).abs();
     let mut ld = f * light.weight * (cos * weight);
+    if const {
+        let fx = Effects(FX);
+        fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy)
+    } && light.target != PrimitiveId::NONE
+    {
+        ld *= emitted_share(scene, &light);
+    }
     if ld.is_black() {
         return Rgb::BLACK;
     }
+    let between = [context.from, light.target];
     counters.rays += 1;
-    if scene.accel.occluded(&light.shadow_ray, [context.from, light.target]) {
+    if const { Effects(FX).has(Effect::Cutouts) } && scene.has_cutouts() {
+        ld *= passed(scene, light.shadow_ray, between, counters);
+        if ld.is_black() {
+            return Rgb::BLACK;
+        }
+    } else if scene.accel.occluded(&light.shadow_ray, between) {
         return Rgb::BLACK;
     }
     if const { Effects(FX).has(Effect::Absorption) }
@@ -55,6 +70,49 @@ pub(super) fn direct_light<const FX: u32>(
         ld *= interior(scene, medium, light.shadow_ray.t_max);
     }
     ld
+}
+
+/// The factor on a sampled light that is a surface: the texel of its emission where the ray ends, the share
+/// of the surface that is there, and what layers on it leave.
+#[inline]
+fn emitted_share(scene: &Prepared, light: &LightSample) -> Rgb {
+    let (material, object) = scene.material_at(light.target);
+    if !material.detailed {
+        return Rgb::grey(material.emission_scale(&Detail::NONE, light.cos));
+    }
+    let ray = &light.shadow_ray;
+    let hit = scene.hit_at(light.target, ray.at(ray.t_max));
+    let detail = scene.detail(object, &hit);
+    let nominal = scene.lights.of_surface(light.target).map(|id| scene.lights.nominal(id));
+    let texel = match (&material.emission, nominal) {
+        (Some(glow), Some(nominal)) => glow.share(nominal, &detail.uv),
+        _ => Rgb::WHITE,
+    };
+    let there = material.cutout.as_ref().map_or(1.0, |c| c.coverage(&detail));
+    texel * (there * material.emission_scale(&detail, light.cos))
+}
+
+/// The share of light that passes everything that is in the way of a shadow ray.
+#[inline(never)]
+fn passed(scene: &Prepared, mut ray: Ray, between: [PrimitiveId; 2], counters: &mut Counters) -> f32 {
+    let [mut from, target] = between;
+    let mut share = 1.0;
+    for _ in 0..FAR_CAP {
+        let Some(hit) = scene.accel.closest_between(&ray, [from, target]).filter(|h| h.t < ray.t_max) else {
+            return share;
+        };
+        share *= 1.0 - scene.coverage(&hit);
+        if share <= 0.0 {
+            return 0.0;
+        }
+        let surface = scene.surface(&ray, &hit, false);
+        let o = offset_origin(surface.p, surface.p_err, surface.ng, ray.d);
+        ray = Ray { o, t_max: ray.t_max - hit.t, ..ray };
+        from = hit.id;
+        counters.rays += 1;
+    }
+    counters.capped += 1;
+    0.0
 }
 
 #[cfg(test)]

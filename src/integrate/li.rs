@@ -11,17 +11,17 @@ use glam::Vec3;
 
 use super::direct::{direct_light, mis_weight};
 use super::{roulette, scatter};
-use crate::accel::{PrimitiveId, RayKind};
+use crate::accel::{Hit, PrimitiveId, RayKind};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
 use crate::light::LightContext;
-use crate::prepare::{Effect, Effects, Prepared};
+use crate::prepare::{Detail, Effect, Effects, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
-/// Scattering events after which a path is cut although nothing asks for it. Only paths that lose
+/// Scattering events, and surfaces passed, after which a path is cut although nothing asks for it. Only paths that lose
 /// nothing at all get here (a camera in a closed box of perfect mirrors); they are counted.
-const FAR_CAP: u32 = 10_000;
+pub(super) const FAR_CAP: u32 = 10_000;
 
 /// What a path did, for reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +45,8 @@ struct PathState {
     from: PrimitiveId,
     /// Scattering events so far.
     depth: u32,
+    /// Surfaces passed that were not there.
+    passed: u32,
     /// Throughput.
     beta: Rgb,
     /// What the path has gathered.
@@ -73,6 +75,7 @@ pub(super) fn li<const FX: u32>(
         ray,
         from: PrimitiveId::NONE,
         depth: 0,
+        passed: 0,
         beta: Rgb::WHITE,
         radiance: Rgb::BLACK,
         sampled: None,
@@ -121,11 +124,28 @@ fn step<const FX: u32>(
         surface.ns = surface.ng;
     }
 
+    // What varies over the surface, and whether it is there at all.
+    let material = scene.material_of(surface.object);
+    let prepared = &scene.materials[material as usize];
+    let detail =
+        if varies(fx) && prepared.detailed { scene.detail(surface.object, &hit) } else { Detail::NONE };
+    if fx.has(Effect::Cutouts) && !is_there(prepared, &detail, address, path.depth, path.passed) {
+        return pass(path, &surface, counters);
+    }
+
     // Emission met by chance: full weight after the camera and delta lobes, a share otherwise.
     if fx.has(Effect::AreaLights)
         && let Some(light) = scene.lights.of_surface(surface.id)
     {
-        let le = scene.lights.emitted(light, wo, surface.ng);
+        let mut le = scene.lights.emitted(light, wo, surface.ng);
+        if fx.has(Effect::Textures)
+            && let Some(glow) = &prepared.emission
+        {
+            le = glow.radiance(&detail.uv);
+        }
+        if fx.has(Effect::Glossy) {
+            le *= prepared.emission_scale(&detail, wo.dot(surface.ng).abs());
+        }
         let weight = match &path.sampled {
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
@@ -141,8 +161,18 @@ fn step<const FX: u32>(
     }
 
     // Direct light: one light, by what it could contribute.
-    let material = scene.material_of(surface.object);
-    let bsdf = &scene.materials[material as usize].bsdf;
+    if fx.has(Effect::NormalMaps) {
+        surface.ns = mapped_normal(scene, prepared, &surface, &hit, &detail, wo);
+    }
+    let frame = scatter::Frame::new(&surface, wo);
+    let compiled;
+    let bsdf = match &prepared.varying {
+        Some(varying) if fx.has(Effect::Textures) || fx.has(Effect::VertexColors) => {
+            compiled = varying.bsdf(&detail, frame.cos());
+            &compiled
+        }
+        _ => &prepared.bsdf,
+    };
     let context = LightContext {
         p: surface.p,
         p_err: surface.p_err,
@@ -152,7 +182,6 @@ fn step<const FX: u32>(
         wo,
         transmits: bsdf.transmits(),
     };
-    let frame = scatter::Frame::new(&surface, wo);
     let beyond =
         if fx.has(Effect::Absorption) { medium_beyond(scene, path.medium, material, &context) } else { None };
     if !bsdf.is_delta() {
@@ -184,6 +213,78 @@ fn step<const FX: u32>(
         None => return Next::Done,
     }
     Next::Continue
+}
+
+/// Whether textures or vertex colours may vary anything.
+const fn varies(fx: Effects) -> bool {
+    fx.has(Effect::Textures)
+        || fx.has(Effect::Cutouts)
+        || fx.has(Effect::NormalMaps)
+        || fx.has(Effect::VertexColors)
+}
+
+/// Whether a surface is there for a path: by chance where a share of it is.
+#[inline]
+fn is_there(
+    material: &PreparedMaterial,
+    detail: &Detail,
+    address: &Address,
+    depth: u32,
+    passed: u32,
+) -> bool {
+    let Some(cutout) = &material.cutout else { return true };
+    let coverage = cutout.coverage(detail);
+    coverage >= 1.0 || (coverage > 0.0 && address.block(depth, Purpose::Alpha, 0, passed)[0] < coverage)
+}
+
+/// Straight on through a surface that is not there: nothing is counted but the surface.
+fn pass(path: &mut PathState, surface: &Surface, counters: &mut Counters) -> Next {
+    path.passed += 1;
+    if path.passed >= FAR_CAP {
+        counters.capped += 1;
+        return Next::Done;
+    }
+    let d = path.ray.d;
+    path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, d), d);
+    path.from = surface.id;
+    Next::Continue
+}
+
+/// The normal of a material's map, where it has one and `wo` sees it on the side of the surface that it
+/// sees; else the interpolated one.
+#[inline]
+fn mapped_normal(
+    scene: &Prepared,
+    material: &PreparedMaterial,
+    surface: &Surface,
+    hit: &Hit,
+    detail: &Detail,
+    wo: Vec3,
+) -> Vec3 {
+    let Some(map) = &material.normal else { return surface.ns };
+    let mapped = scene.mapped_normal(map, surface.object, hit, detail);
+    mapped.filter(|n| n.dot(wo) * surface.ng.dot(wo) > 0.0).unwrap_or(surface.ns)
+}
+
+/// The first surface that a camera ray meets and that is there, as the path of the same address sees it,
+/// with its shading normal, its material and what the albedo feature shows.
+pub(super) fn first_surface(scene: &Prepared, address: &Address, ray: Ray) -> Option<(Surface, u32, Rgb)> {
+    let (mut ray, mut from) = (ray, PrimitiveId::NONE);
+    for passed in 0..FAR_CAP {
+        let hit = scene.accel.closest(&ray, from, RayKind::Camera)?;
+        let mut surface = scene.surface(&ray, &hit, true);
+        let material = scene.material_of(surface.object);
+        let prepared = &scene.materials[material as usize];
+        let detail = if prepared.detailed { scene.detail(surface.object, &hit) } else { Detail::NONE };
+        if is_there(prepared, &detail, address, 0, passed) {
+            surface.ns = mapped_normal(scene, prepared, &surface, &hit, &detail, -ray.d);
+            let albedo = prepared.varying.as_ref().map_or(prepared.albedo, |v| v.albedo(&detail));
+            return Some((surface, material, albedo));
+        }
+        ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, ray.d), ray.d);
+        from = surface.id;
+    }
+    None
 }
 
 /// The medium on the other side of a surface of `material`, where that on the side of `wo` is `medium`:

@@ -2,7 +2,8 @@
 //!
 //! In: a [`crate::prepare::Prepared`] scene. Out: a [`crate::film::Film`]. `li` is the path from the
 //! camera to roulette and reads on its own; `render` owns tiles, threads and progress; `kernels` holds
-//! `li` compiled for a few sets of effects; `naive` is the slow, obvious oracle of the tests.
+//! `li` compiled for a few sets of effects; `naive` is the slow, obvious oracle of the tests; `report` is
+//! the method of the student report that the project began with.
 
 mod direct;
 mod kernels;
@@ -10,6 +11,7 @@ mod li;
 pub mod naive;
 
 mod render;
+pub mod report;
 mod roulette;
 mod scatter;
 

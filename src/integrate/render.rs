@@ -13,8 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::kernels::{Kernel, kernel};
-use super::li::Counters;
-use crate::accel::{PrimitiveId, RayKind};
+use super::li::{Counters, first_surface};
 use crate::film::{Features, Film, FilmLayout, Refusal, Sample};
 use crate::prepare::Prepared;
 use crate::sampling::warp::square_to_disk;
@@ -140,6 +139,29 @@ pub enum RenderError {
     },
 }
 
+/// Whoever makes the samples: a method of light transport on a scene.
+pub(super) trait Source: Sync {
+    /// The sample of `pass` at a pixel of the whole picture: a function of these two and nothing else.
+    fn sample(&self, pixel: [u32; 2], pass: u32, counters: &mut Counters) -> Sample;
+}
+
+/// The default method.
+struct Planned<'a> {
+    scene: &'a Prepared,
+    kernel: Kernel,
+    features: bool,
+}
+
+impl Source for Planned<'_> {
+    fn sample(&self, pixel: [u32; 2], pass: u32, counters: &mut Counters) -> Sample {
+        let mut s = sample(self.scene, &self.kernel, pixel, pass, counters);
+        if self.features {
+            s.features = features(self.scene, pixel, pass);
+        }
+        s
+    }
+}
+
 /// A sample at a pixel of the whole picture.
 fn sample(scene: &Prepared, kernel: &Kernel, pixel: [u32; 2], pass: u32, counters: &mut Counters) -> Sample {
     let k = scene.plan.replications;
@@ -158,11 +180,9 @@ fn features(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Option<Features> {
     let address = Address::new(scene.seed, index, pass % k, pass / k);
     let u = address.block(0, Purpose::Camera, 0, 0);
     let ray = scene.camera.ray(pixel, [u[0], u[1]], || square_to_disk([u[2], u[3]]));
-    let hit = scene.accel.closest(&ray, PrimitiveId::NONE, RayKind::Camera)?;
-    let surface = scene.surface(&ray, &hit, true);
-    let material = scene.material_of(surface.object);
+    let (surface, material, albedo) = first_surface(scene, &address, ray)?;
     Some(Features {
-        albedo: scene.materials[material as usize].albedo,
+        albedo,
         normal: surface.ns.to_array(),
         depth: scene.camera.depth(surface.p),
         position: surface.p.to_array(),
@@ -183,10 +203,9 @@ struct Pending {
 }
 
 struct Job<'a> {
-    scene: &'a Prepared,
+    source: &'a dyn Source,
     options: &'a RenderOptions,
     control: &'a dyn Control,
-    kernel: Kernel,
     crop: [u32; 4],
     tiles: [u32; 2],
     begin: Instant,
@@ -218,11 +237,31 @@ pub fn render(
     control: &dyn Control,
 ) -> Result<Outcome, RenderError> {
     let [width, height] = scene.size;
-    let crop = options.crop.unwrap_or([0, 0, width, height]);
+    let layout = FilmLayout {
+        crop: options.crop.unwrap_or([0, 0, width, height]),
+        full_size: scene.size,
+        replications: scene.plan.replications,
+        radiance: scene.radiance_format,
+        length: scene.length_format,
+        features: options.features,
+        transparent: scene.transparent,
+    };
+    let features = options.features || scene.transparent;
+    drive(&Planned { scene, kernel: kernel(&scene.plan), features }, layout, options, control)
+}
+
+/// Renders what `source` makes into a film of the given layout, as [`render`] does.
+pub(super) fn drive(
+    source: &dyn Source,
+    layout: FilmLayout,
+    options: &RenderOptions,
+    control: &dyn Control,
+) -> Result<Outcome, RenderError> {
+    let ([width, height], crop) = (layout.full_size, layout.crop);
     let inside =
         |at: u32, extent: u32, size: u32| extent > 0 && u64::from(at) + u64::from(extent) <= u64::from(size);
     if !inside(crop[0], crop[2], width) || !inside(crop[1], crop[3], height) {
-        return Err(RenderError::Crop { crop, size: scene.size });
+        return Err(RenderError::Crop { crop, size: layout.full_size });
     }
     if options.passes.is_empty() {
         return Err(RenderError::NoPasses);
@@ -232,20 +271,11 @@ pub fn render(
         .build()
         .map_err(|e| RenderError::Threads { threads: options.threads, reason: e.to_string() })?;
     let threads = pool.current_num_threads();
-    let film = Film::new(FilmLayout {
-        crop,
-        full_size: scene.size,
-        replications: scene.plan.replications,
-        radiance: scene.radiance_format,
-        length: scene.length_format,
-        features: options.features,
-        transparent: scene.transparent,
-    });
+    let film = Film::new(layout);
     let job = Job {
-        scene,
+        source,
         options,
         control,
-        kernel: kernel(&scene.plan),
         crop,
         tiles: [crop[2].div_ceil(TILE), crop[3].div_ceil(TILE)],
         begin: Instant::now(),
@@ -294,11 +324,7 @@ impl Job<'_> {
         for row in y..y + h {
             for column in x..x + w {
                 let pixel = [self.crop[0] + column, self.crop[1] + row];
-                let mut s = sample(self.scene, &self.kernel, pixel, pass, &mut counters);
-                if self.options.features || self.scene.transparent {
-                    s.features = features(self.scene, pixel, pass);
-                }
-                samples.push(s);
+                samples.push(self.source.sample(pixel, pass, &mut counters));
             }
         }
         self.samples.fetch_add(samples.len() as u64, Ordering::Relaxed);

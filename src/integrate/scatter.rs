@@ -31,6 +31,12 @@ impl Frame {
         self.frame.n
     }
 
+    /// Cosine between the outgoing direction and the shading normal, without its sign.
+    #[inline(always)]
+    pub(super) fn cos(&self) -> f32 {
+        self.wo.z.abs()
+    }
+
     /// Whether both normals see `wi` on the same side relative to `wo`.
     #[inline(always)]
     fn consistent(&self, wi: Vec3, wi_local: Vec3) -> bool {

@@ -9,6 +9,7 @@
 //! light emits towards a point is known from where the ray meets it.
 
 mod ellipse;
+mod panorama;
 mod pick;
 mod rectangle;
 mod set;
@@ -16,6 +17,7 @@ mod sphere;
 mod triangle;
 
 pub use ellipse::Ellipse;
+pub use panorama::Panorama;
 pub use rectangle::{Rectangle, from_triangles};
 pub use set::{Emitter, FreeHit, LightId, LightSample, LightSet, Spot, SpotCurve};
 pub use sphere::SphereLight;

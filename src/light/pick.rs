@@ -123,6 +123,7 @@ impl Pick {
 fn reach(members: &[Emitter]) -> Reach {
     match members {
         [Emitter::Sun { irradiance, .. }] => Reach::Distant { irradiance: irradiance.luminance() },
+        [Emitter::Panorama { map, .. }] => Reach::Distant { irradiance: map.irradiance() },
         [Emitter::Environment { radiance, .. }] => Reach::Distant { irradiance: radiance.luminance() * PI },
         _ => {
             let corners = || members.iter().flat_map(Emitter::corners);
@@ -154,7 +155,7 @@ mod tests {
             let mut emitters: Vec<Emitter> =
                 (0..count).map(|i| lamp(Vec3::new(i as f32, 1.0, 0.0), 1.0 + i as f32)).collect();
             emitters.push(lamp(Vec3::new(0.0, 1e3, 0.0), 1e6));
-            emitters.push(sky);
+            emitters.push(sky.clone());
             let sizes = vec![1; emitters.len()];
             let pick = Pick::new(&emitters, &sizes, 1e3);
             for p in

@@ -1,9 +1,11 @@
 //! All lights of a scene: choosing one, and finding those that a ray meets.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::pick::Pick;
-use super::{Ellipse, LightContext, Rectangle, SphereLight, SurfaceSample, TriangleLight};
+use super::{Ellipse, LightContext, Panorama, Rectangle, SphereLight, SurfaceSample, TriangleLight};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::Frame;
@@ -57,7 +59,7 @@ impl Spot {
 }
 
 /// One light. Surfaces know the primitives that they are; free lights are not surfaces.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Emitter {
     /// An emissive triangle.
     Triangle {
@@ -134,6 +136,13 @@ pub enum Emitter {
         /// Whether camera rays see it.
         visible_to_camera: bool,
     },
+    /// A picture of all directions.
+    Panorama {
+        /// The picture.
+        map: Arc<Panorama>,
+        /// Whether camera rays see it.
+        visible_to_camera: bool,
+    },
 }
 
 /// A direction towards a light.
@@ -152,6 +161,8 @@ pub struct LightSample {
     pub shadow_ray: Ray,
     /// The primitive that the ray ends on.
     pub target: PrimitiveId,
+    /// Cosine at which the light leaves a surface, [0, 1]; one where it leaves none.
+    pub cos: f32,
 }
 
 /// A free light that a ray meets.
@@ -214,7 +225,9 @@ impl LightSet {
                 Emitter::Rectangle { .. } | Emitter::Sphere { .. } | Emitter::Ellipse { .. } => {
                     set.free.push(i);
                 }
-                Emitter::Sun { .. } | Emitter::Environment { .. } => set.distant.push(i),
+                Emitter::Sun { .. } | Emitter::Environment { .. } | Emitter::Panorama { .. } => {
+                    set.distant.push(i);
+                }
                 Emitter::Point { .. } => {}
             }
         }
@@ -255,17 +268,37 @@ impl LightSet {
         }
     }
 
+    /// The radiance that a surface which is a light was given: what it emits, but where a picture varies
+    /// that.
+    #[inline]
+    #[must_use]
+    pub fn nominal(&self, light: LightId) -> Rgb {
+        match self.emitters[light.0 as usize] {
+            Emitter::Triangle { radiance, .. }
+            | Emitter::Rectangle { radiance, .. }
+            | Emitter::Sphere { radiance, .. } => radiance,
+            _ => Rgb::BLACK,
+        }
+    }
+
     /// Density, choice of the light included, with which [`Self::sample`] would have found the point `q`
     /// with normal `n` of a light.
     #[inline]
     #[must_use]
     pub fn pdf(&self, ctx: &LightContext, light: LightId, q: Vec3, n: Vec3) -> f32 {
-        let density = match &self.emitters[light.0 as usize] {
+        let emitter = &self.emitters[light.0 as usize];
+        if emitter.is_flat_under(ctx.from) {
+            return 0.0;
+        }
+        let density = match emitter {
             Emitter::Triangle { shape, .. } => shape.pdf(ctx.p, q),
             Emitter::Rectangle { shape, .. } => shape.pdf(ctx.p, q),
             Emitter::Ellipse { shape, .. } => shape.pdf(ctx.p, q),
             Emitter::Sphere { shape, primitive, .. } => shape.pdf(ctx.p, *primitive == Some(ctx.from), q, n),
-            Emitter::Point { .. } | Emitter::Sun { .. } | Emitter::Environment { .. } => 0.0,
+            Emitter::Point { .. }
+            | Emitter::Sun { .. }
+            | Emitter::Environment { .. }
+            | Emitter::Panorama { .. } => 0.0,
         };
         density * self.pick.pmf(ctx.p, light.0 as usize)
     }
@@ -276,6 +309,9 @@ impl LightSet {
         let (i, pmf) = self.pick.sample(ctx.p, u[0])?;
         let uv = [u[1], u[2]];
         let emitter = &self.emitters[i];
+        if emitter.is_flat_under(ctx.from) {
+            return None;
+        }
         match emitter {
             Emitter::Triangle { shape, radiance, both_sides, primitive } => {
                 surface(ctx, shape.sample(ctx.p, uv)?, *radiance, *both_sides, None, pmf, *primitive)
@@ -304,7 +340,15 @@ impl LightSet {
                 let to = *position - origin;
                 let shadow_ray = Ray { o: origin, d: to.try_normalize()?, t_max: to.length() };
                 let weight = *intensity * (factor / (d2 * pmf));
-                Some(LightSample { wi, weight, pdf: pmf, delta: true, shadow_ray, target: PrimitiveId::NONE })
+                Some(LightSample {
+                    wi,
+                    weight,
+                    pdf: pmf,
+                    delta: true,
+                    shadow_ray,
+                    target: PrimitiveId::NONE,
+                    cos: 1.0,
+                })
             }
             Emitter::Sun { towards, irradiance, one_minus_cos, .. } => {
                 if *one_minus_cos == 0.0 {
@@ -323,6 +367,12 @@ impl LightSet {
                 };
                 let pdf = environment_pdf(ctx, wi) * pmf;
                 (pdf > 0.0).then(|| distant(ctx, wi, *radiance / pdf, pdf, false))
+            }
+            Emitter::Panorama { map, .. } => {
+                // The density is looked up for the direction as rounded, as it is for one found by chance.
+                let wi = map.sample(uv)?;
+                let pdf = map.pdf(wi) * pmf;
+                (pdf > 0.0).then(|| distant(ctx, wi, map.radiance(wi) / pdf, pdf, false))
             }
         }
     }
@@ -383,12 +433,16 @@ impl LightSet {
     pub fn distant(&self, d: Vec3, ctx: Option<&LightContext>, mut found: impl FnMut(Rgb, bool, f32)) {
         for &i in &self.distant {
             let pmf = ctx.map_or(0.0, |c| self.pick.pmf(c.p, i as usize));
-            match self.emitters[i as usize] {
-                Emitter::Environment { radiance, visible_to_camera } => {
+            match &self.emitters[i as usize] {
+                &Emitter::Environment { radiance, visible_to_camera } => {
                     found(radiance, visible_to_camera, ctx.map_or(0.0, |c| environment_pdf(c, d)) * pmf);
                 }
+                Emitter::Panorama { map, visible_to_camera } => {
+                    let pdf = if ctx.is_some() { map.pdf(d) } else { 0.0 };
+                    found(map.radiance(d), *visible_to_camera, pdf * pmf);
+                }
                 // 1 - cos of the angle between unit vectors, from their chord.
-                Emitter::Sun { towards, irradiance, one_minus_cos, visible_to_camera }
+                &Emitter::Sun { towards, irradiance, one_minus_cos, visible_to_camera }
                     if 0.5 * (d - towards).length_squared() < one_minus_cos =>
                 {
                     let radiance = sun_radiance(irradiance, one_minus_cos);
@@ -401,6 +455,17 @@ impl LightSet {
 }
 
 impl Emitter {
+    /// Whether the light is flat and `from` a part of it: it then does not light what lies on it, though
+    /// rounding may put that a little beside its plane, from where it would fill half of all directions.
+    #[inline]
+    fn is_flat_under(&self, from: PrimitiveId) -> bool {
+        match self {
+            Self::Triangle { primitive, .. } => *primitive == from,
+            Self::Rectangle { primitives: Some(ids), .. } => ids.contains(&from),
+            _ => false,
+        }
+    }
+
     /// Points whose bounding box holds the light, where it has a place.
     pub(super) fn corners(&self) -> Vec<Vec3> {
         match self {
@@ -415,7 +480,7 @@ impl Emitter {
                 vec![shape.center - r, shape.center + r]
             }
             Self::Point { position, .. } => vec![*position],
-            Self::Sun { .. } | Self::Environment { .. } => Vec::new(),
+            Self::Sun { .. } | Self::Environment { .. } | Self::Panorama { .. } => Vec::new(),
         }
     }
 
@@ -428,7 +493,7 @@ impl Emitter {
             Self::Ellipse { shape, radiance, .. } => flat(*radiance, shape.area()),
             Self::Sphere { shape, radiance, .. } => flat(*radiance, 0.25 * shape.area()),
             Self::Point { intensity, .. } => f64::from(intensity.luminance()),
-            Self::Sun { .. } | Self::Environment { .. } => 0.0,
+            Self::Sun { .. } | Self::Environment { .. } | Self::Panorama { .. } => 0.0,
         }
     }
 
@@ -458,6 +523,7 @@ impl Emitter {
             Self::Point { intensity, spot, .. } => f64::from(intensity.luminance()) * 4.0 * PI * cone(spot),
             Self::Sun { irradiance, .. } => f64::from(irradiance.luminance()) * disk,
             Self::Environment { radiance, .. } => f64::from(radiance.luminance()) * PI * 4.0 * disk,
+            Self::Panorama { map, .. } => f64::from(map.mean().luminance()) * PI * 4.0 * disk,
         }
     }
 }
@@ -505,10 +571,11 @@ fn surface(
         delta: false,
         shadow_ray,
         target,
+        cos: wi.dot(s.n).abs().min(1.0),
     })
 }
 
 fn distant(ctx: &LightContext, wi: Vec3, weight: Rgb, pdf: f32, delta: bool) -> LightSample {
     let shadow_ray = Ray::new(offset_origin(ctx.p, ctx.p_err, ctx.ng, wi), wi);
-    LightSample { wi, weight, pdf, delta, shadow_ray, target: PrimitiveId::NONE }
+    LightSample { wi, weight, pdf, delta, shadow_ray, target: PrimitiveId::NONE, cos: 1.0 }
 }

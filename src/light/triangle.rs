@@ -60,7 +60,8 @@ impl TriangleLight {
         let volume = volume / (ra.length() * rb.length() * rc.length());
         let denominator = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
         let solid_angle = 2.0 * f64::from(math::atan2(volume as f32, denominator as f32));
-        (solid_angle > 0.0).then_some(View { a, b, c, solid_angle })
+        // Without volume the point lies in the plane: inside the triangle that looks like a half-space.
+        (volume > 0.0 && solid_angle > 0.0).then_some(View { a, b, c, solid_angle })
     }
 
     /// A point of the triangle as seen from `p`; `None` where `p` lies in its plane.
@@ -79,11 +80,12 @@ impl TriangleLight {
         let (wb, wc) = (w.dot(rc.cross(ra)), w.dot(ra.cross(rb)));
         let wa = w.dot(rb.cross(rc));
         let sum = wa + wb + wc;
-        let b1 = (wb / sum).clamp(0.0, 1.0);
-        let b2 = (wc / sum).clamp(0.0, 1.0 - b1);
+        let (b1, b2) = (wb / sum, wc / sum);
         if !(b1.is_finite() && b2.is_finite()) {
             return None;
         }
+        let b1 = b1.clamp(0.0, 1.0);
+        let b2 = b2.clamp(0.0, 1.0 - b1);
         Some(self.at([b1 as f32, b2 as f32], (1.0 / view.solid_angle) as f32))
     }
 
@@ -150,6 +152,20 @@ mod tests {
             // Below the limit the density is that of area sampling, which varies a little over the triangle.
             let bound = if expected < SMALLEST { 1e-3 } else { 2e-5 };
             assert!((pdf * expected - 1.0).abs() < bound, "{size}: {}", pdf * expected);
+        }
+    }
+
+    /// A glossy lamp is lit by itself: from a point inside a triangle, or on its edge or corner, nothing is
+    /// sampled and the density is zero.
+    #[test]
+    fn a_point_of_the_triangle_sees_none_of_it() {
+        let t = right_triangle(1.0, 2.0);
+        for [x, y] in [[0.5, 0.25], [0.5, 0.0], [1.0, 1.0], [3.0, 0.0]] {
+            let p = Vec3::new(x, y, 2.0);
+            for u in [[0.0, 0.0], [0.5, 0.5], [0.3, 0.9]] {
+                assert!(t.sample(p, u).is_none(), "{p}");
+            }
+            assert_eq!(t.pdf(p, Vec3::new(0.9, 0.1, 2.0)), 0.0, "{p}");
         }
     }
 

@@ -8,10 +8,12 @@ mod atomic;
 mod exr;
 mod picture;
 mod read;
+mod texels;
 mod tone;
 
 pub use atomic::write_bytes;
 pub use read::{ReadImageError, read, read_exr};
+pub use texels::encode_pixels;
 pub use tone::Tone;
 
 use std::fmt;

@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
+use super::fold::Folded;
 use crate::accel::{Geometry, Placement, PrimitiveId};
 use crate::scene::{Camera, Mesh, Object, Scene, Shape};
 
@@ -82,13 +83,13 @@ impl AbsMax for DMat3 {
 
 /// True where a mesh is repeated often and large enough to be shared; emitters are lights, and each
 /// needs primitives of its own.
-fn shared(scene: &Scene) -> Vec<bool> {
+fn shared(scene: &Scene, folded: &Folded<'_>) -> Vec<bool> {
     let mut uses = vec![0usize; scene.meshes.len()];
     let mut emits = vec![false; scene.meshes.len()];
     for o in &scene.objects {
         if let Shape::Mesh(m) = o.shape {
             uses[m.0 as usize] += 1;
-            emits[m.0 as usize] |= scene.materials[o.material.0 as usize].kind.emission().is_some();
+            emits[m.0 as usize] |= folded.kinds[o.material.0 as usize].emission().is_some();
         }
     }
     (0..scene.meshes.len())
@@ -97,8 +98,8 @@ fn shared(scene: &Scene) -> Vec<bool> {
 }
 
 /// All meshes that are repeated keep their own space; everything else is copied to the world.
-pub(super) fn flatten(scene: &Scene) -> Flat {
-    let shared = shared(scene);
+pub(super) fn flatten(scene: &Scene, folded: &Folded<'_>) -> Flat {
+    let shared = shared(scene, folded);
     let mut flat = Flat { range: vec![None; scene.objects.len()], ..Flat::default() };
     let mut world_normals = Vec::new();
     // World triangles come before world spheres, so spheres wait.

@@ -1,24 +1,46 @@
 //! Collecting lights: emissive primitives, free lights and the environment.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
+use super::PreparedMaterial;
+use super::detail::Details;
+use super::fold::Folded;
 use super::geometry::Flat;
+use super::glow::Brightness;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::light::{
-    Ellipse, Emitter, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight, from_triangles,
+    Ellipse, Emitter, Panorama, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight, from_triangles,
 };
 use crate::scene::{AreaShape, Light, LightKind, Scene, Sides, SpotFalloff};
 
 /// Everything that emits, in the order of objects, lights, environment; the primitives of an object are
 /// one group.
-pub(super) fn collect(scene: &Scene, flat: &Flat) -> Vec<Vec<Emitter>> {
+pub(super) fn collect(
+    scene: &Scene,
+    folded: &Folded<'_>,
+    flat: &Flat,
+    details: &Details,
+    materials: &[PreparedMaterial],
+) -> Vec<Vec<Emitter>> {
     let mut groups = Vec::new();
-    for (object, range) in scene.objects.iter().zip(&flat.range) {
-        let emission = scene.materials[object.material.0 as usize].kind.emission();
+    for (i, (object, range)) in scene.objects.iter().zip(&flat.range).enumerate() {
+        let emission = folded.kinds[object.material.0 as usize].emission();
         if let (Some((radiance, sides)), &Some((first, count))) = (emission, range) {
+            let glow = materials[object.material.0 as usize].emission.as_deref();
+            let brightness = glow.map(Brightness::new);
+            // The radiance that a light of these primitives is given; none where they are black.
+            let nominal = |primitives: &[PrimitiveId]| match &brightness {
+                None => Some(radiance),
+                Some(b) => {
+                    let corners = |id: &PrimitiveId| details.corners(i as u32, *id);
+                    b.nominal(&primitives.iter().map(corners).collect::<Vec<_>>())
+                }
+            };
             let mut emitters = Vec::new();
-            surfaces(flat, first, count, radiance, sides == Sides::Both, &mut emitters);
+            surfaces(flat, first, count, &nominal, sides == Sides::Both, &mut emitters);
             groups.push(emitters);
         }
     }
@@ -26,10 +48,17 @@ pub(super) fn collect(scene: &Scene, flat: &Flat) -> Vec<Vec<Emitter>> {
     if let Some(e) = &scene.environment
         && !e.radiance.is_black()
     {
-        groups.push(vec![Emitter::Environment {
-            radiance: e.radiance,
-            visible_to_camera: e.visible_to_camera,
-        }]);
+        let visible_to_camera = e.visible_to_camera;
+        let pixels = e.image.and_then(|i| Some((i, scene.images.get(i.image.0 as usize)?.pixels.as_ref()?)));
+        match pixels {
+            Some((image, pixels)) => {
+                let map = Panorama::new(Arc::clone(pixels), e.radiance, image.rotation);
+                if !map.is_black() {
+                    groups.push(vec![Emitter::Panorama { map: Arc::new(map), visible_to_camera }]);
+                }
+            }
+            None => groups.push(vec![Emitter::Environment { radiance: e.radiance, visible_to_camera }]),
+        }
     }
     groups.retain(|g| !g.is_empty());
     groups
@@ -40,13 +69,14 @@ fn surfaces(
     flat: &Flat,
     first: u32,
     count: u32,
-    radiance: Rgb,
+    nominal: &dyn Fn(&[PrimitiveId]) -> Option<Rgb>,
     both_sides: bool,
     emitters: &mut Vec<Emitter>,
 ) {
     let id = |primitive: u32| PrimitiveId { instance: 0, primitive };
     let triangles = flat.world.triangles.len() as u32;
     if first >= triangles {
+        let Some(radiance) = nominal(&[id(first)]) else { return };
         let (center, radius) = flat.world.spheres[(first - triangles) as usize];
         emitters.push(Emitter::Sphere {
             shape: SphereLight { center, radius },
@@ -64,18 +94,24 @@ fn surfaces(
         if i + 1 < first + count
             && let Some(shape) = from_triangles(v, flat.world.vertices(i + 1))
         {
-            let primitives = Some([id(i), id(i + 1)]);
-            emitters.push(Emitter::Rectangle {
-                shape,
-                radiance,
-                both_sides,
-                primitives,
-                visible_to_camera: true,
-            });
+            let primitives = [id(i), id(i + 1)];
+            if let Some(radiance) = nominal(&primitives) {
+                let primitives = Some(primitives);
+                let visible_to_camera = true;
+                emitters.push(Emitter::Rectangle {
+                    shape,
+                    radiance,
+                    both_sides,
+                    primitives,
+                    visible_to_camera,
+                });
+            }
             i += 2;
             continue;
         }
-        if let Some(shape) = TriangleLight::new(v) {
+        if let Some(shape) = TriangleLight::new(v)
+            && let Some(radiance) = nominal(&[id(i)])
+        {
             emitters.push(Emitter::Triangle { shape, radiance, both_sides, primitive: id(i) });
         }
         i += 1;
@@ -197,6 +233,7 @@ pub(super) fn brightest(groups: &[Vec<Emitter>], camera: DVec3, scene_radius: f6
         | Emitter::Ellipse { radiance, .. }
         | Emitter::Sphere { radiance, .. }
         | Emitter::Environment { radiance, .. } => *radiance,
+        Emitter::Panorama { map, .. } => map.brightest(),
         Emitter::Sun { irradiance, .. } => *irradiance,
         Emitter::Point { position, intensity, .. } => irradiance(*position, *intensity),
     };

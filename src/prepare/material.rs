@@ -1,15 +1,24 @@
 //! Compiling materials: the fewest lobes that render each.
+//!
+//! What is the same everywhere on a surface is compiled once; what a texture or vertex colours vary is
+//! compiled again at each hit, by the same functions, in [`super::varying`].
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::albedo::{Albedos, AllTables, Rows};
+use super::cutout::Cutout;
+use super::detail::Detail;
+use super::fold::{Folded, Uses};
+use super::glow::Glow;
+use super::normal::NormalMap;
+use super::texture::Sampler;
+use super::varying::Varying;
 use crate::bsdf::dielectric::RoughDielectric;
-use crate::bsdf::fresnel::{dielectric, f0_of_ior, ior_of_f0};
-use crate::bsdf::tables::{self, AlbedoRow};
-use crate::bsdf::{Bsdf, Diffuse, Glass, Mirror, Principled, SMOOTH_ALPHA, Specular};
+use crate::bsdf::fresnel::{f0_of_ior, ior_of_f0};
+use crate::bsdf::{Bsdf, Charlie, Coat, Diffuse, Glass, Mirror, Principled, SMOOTH_ALPHA, Sheen, Specular};
 use crate::color::Rgb;
 use crate::math;
-use crate::scene::{self, Absorption, MaterialKind, Scene};
+use crate::scene::{self, Absorption, ImageId, MaterialKind, Pixels, Scene};
 
 /// A material as the integrator reads it.
 #[derive(Clone, Debug)]
@@ -20,8 +29,58 @@ pub struct PreparedMaterial {
     pub interior: Option<Interior>,
     /// Whether light that is transmitted enters or leaves a volume; false for sheets.
     pub encloses: bool,
-    /// What the albedo feature shows.
+    /// What the albedo feature shows, where nothing varies.
     pub albedo: Rgb,
+    /// Whether any of the following is there.
+    pub(crate) detailed: bool,
+    /// What has to be compiled at the hit instead of `bsdf`.
+    pub(crate) varying: Option<Box<Varying>>,
+    /// Where the surface is not there.
+    pub(crate) cutout: Option<Box<Cutout>>,
+    /// Normals from a texture.
+    pub(crate) normal: Option<Box<NormalMap>>,
+    /// What is emitted where a picture varies it.
+    pub(crate) emission: Option<Box<Glow>>,
+}
+
+/// The numbers and colours of a principled material at one point of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Numbers {
+    pub(super) base_color: Rgb,
+    pub(super) metallic: f32,
+    pub(super) roughness: f32,
+    pub(super) ior: f32,
+    pub(super) specular: f32,
+    pub(super) specular_color: Rgb,
+    pub(super) transmission: f32,
+    pub(super) transmission_tint: Rgb,
+    pub(super) thin: bool,
+    pub(super) coat: f32,
+    pub(super) coat_roughness: f32,
+    pub(super) coat_ior: f32,
+    pub(super) sheen_color: Rgb,
+    pub(super) sheen_roughness: f32,
+}
+
+impl From<&scene::Principled> for Numbers {
+    fn from(p: &scene::Principled) -> Self {
+        Self {
+            base_color: p.base_color,
+            metallic: p.metallic,
+            roughness: p.roughness,
+            ior: p.ior,
+            specular: p.specular,
+            specular_color: p.specular_color,
+            transmission: p.transmission,
+            transmission_tint: p.transmission_tint,
+            thin: p.thin,
+            coat: p.coat,
+            coat_roughness: p.coat_roughness,
+            coat_ior: p.coat_ior,
+            sheen_color: p.sheen_color,
+            sheen_roughness: p.sheen_roughness,
+        }
+    }
 }
 
 /// An absorbing medium.
@@ -50,95 +109,177 @@ impl Interior {
     }
 }
 
-/// Rows of albedo tables, each computed once for the parameters that define it.
-#[derive(Default)]
-struct Rows {
-    rows: BTreeMap<(u8, u32, u32), Arc<AlbedoRow>>,
+impl PreparedMaterial {
+    /// What layers on top leave of light that the surface emits at the cosine `mu`, [0, 1], to its geometric
+    /// normal; one where there are none.
+    #[inline]
+    #[must_use]
+    pub(crate) fn emission_scale(&self, detail: &Detail, mu: f32) -> f32 {
+        match &self.varying {
+            None => self.bsdf.emission_scale(mu),
+            Some(varying) if varying.has_layers() => varying.bsdf(detail, mu).emission_scale(mu),
+            Some(_) => 1.0,
+        }
+    }
 }
 
-impl Rows {
-    fn get(&mut self, kind: u8, alpha: f32, eta: f32, albedo: impl Fn(f32) -> f32) -> Arc<AlbedoRow> {
-        let key = (kind, alpha.to_bits(), eta.to_bits());
-        Arc::clone(self.rows.entry(key).or_insert_with(|| Arc::new(AlbedoRow::new(albedo))))
-    }
-
-    fn white(&mut self, alpha: f32) -> Arc<AlbedoRow> {
-        self.get(0, alpha, 0.0, |mu| tables::reflected(mu, alpha, |_| 1.0))
-    }
-
-    fn total(&mut self, alpha: f32, eta: f32) -> Arc<AlbedoRow> {
-        self.get(1, alpha, eta, |mu| tables::dielectric_total(mu, alpha, eta))
-    }
+/// The pixels of a picture; white where it has not been read.
+pub(super) fn pixels(scene: &Scene, image: ImageId) -> Arc<Pixels> {
+    let read = scene.images.get(image.0 as usize).and_then(|i| i.pixels.clone());
+    read.unwrap_or_else(|| {
+        Arc::new(Pixels { width: 1, height: 1, texels: scene::Texels::Float(vec![[1.0; 3]]) })
+    })
 }
 
 /// All materials of a scene.
-pub(super) fn compile(scene: &Scene) -> Vec<PreparedMaterial> {
-    let mut rows = Rows::default();
-    scene.materials.iter().map(|m| compile_one(&m.kind, &mut rows)).collect()
+pub(super) fn compile(scene: &Scene, folded: &Folded<'_>) -> Vec<PreparedMaterial> {
+    let mut compiler = Compiler { scene, rows: Rows::default(), tables: AllTables::default() };
+    let compile = |(kind, uses): (&_, &_)| {
+        let m: PreparedMaterial = compiler.compile(kind, uses);
+        let detailed =
+            m.varying.is_some() || m.cutout.is_some() || m.normal.is_some() || m.emission.is_some();
+        PreparedMaterial { detailed, ..m }
+    };
+    folded.kinds.iter().map(AsRef::as_ref).zip(&folded.uses).map(compile).collect()
 }
 
-fn compile_one(kind: &MaterialKind, rows: &mut Rows) -> PreparedMaterial {
-    let plain = |bsdf, albedo| PreparedMaterial { bsdf, interior: None, encloses: false, albedo };
-    match kind {
-        MaterialKind::Diffuse { color } => plain(diffuse(*color), *color),
-        MaterialKind::Mirror { color } => plain(Bsdf::Mirror(Mirror { color: *color }), *color),
-        MaterialKind::Light { .. } => plain(Bsdf::Black, Rgb::BLACK),
-        MaterialKind::Glass(g) => PreparedMaterial {
-            bsdf: Bsdf::Glass(Glass { ior: g.ior, tint: g.tint, thin: false }),
-            interior: g.absorption.as_ref().and_then(Interior::new),
-            encloses: true,
-            albedo: g.tint,
-        },
-        MaterialKind::Principled(p) => PreparedMaterial {
-            bsdf: principled(p, rows),
-            interior: p.absorption.as_ref().filter(|_| !p.thin).and_then(Interior::new),
-            encloses: !p.thin,
-            albedo: p.base_color,
-        },
+struct Compiler<'a> {
+    scene: &'a Scene,
+    rows: Rows,
+    tables: AllTables,
+}
+
+impl Compiler<'_> {
+    fn compile(&mut self, kind: &MaterialKind, uses: &Uses) -> PreparedMaterial {
+        let plain = |bsdf, albedo| PreparedMaterial {
+            bsdf,
+            interior: None,
+            encloses: false,
+            albedo,
+            detailed: false,
+            varying: None,
+            cutout: None,
+            normal: None,
+            emission: None,
+        };
+        let colored = uses.colored.is_some();
+        match kind {
+            MaterialKind::Diffuse { color } => PreparedMaterial {
+                varying: colored.then(|| Box::new(Varying::diffuse(*color))),
+                ..plain(diffuse(*color), *color)
+            },
+            MaterialKind::Mirror { color } => plain(Bsdf::Mirror(Mirror { color: *color }), *color),
+            MaterialKind::Light { .. } => plain(Bsdf::Black, Rgb::BLACK),
+            MaterialKind::Glass(g) => PreparedMaterial {
+                interior: g.absorption.as_ref().and_then(Interior::new),
+                encloses: true,
+                ..plain(Bsdf::Glass(Glass { ior: g.ior, tint: g.tint, thin: false }), g.tint)
+            },
+            MaterialKind::Principled(p) => {
+                let varies = varies(p, colored);
+                let read =
+                    |t: &scene::Texture, encoded| Sampler::new(t, &pixels(self.scene, t.image), encoded);
+                let emission =
+                    p.textures.emission.as_ref().map(|t| Box::new(Glow::new(read(t, true), p.emission)));
+                let normal = p.textures.normal.as_ref();
+                let normal = normal.map(|n| Box::new(NormalMap::new(n, read(&n.texture, false))));
+                // Where everything is compiled at the hit, nothing needs to be compiled here.
+                let bsdf =
+                    if varies { Bsdf::Black } else { principled(&Numbers::from(&**p), &mut self.rows) };
+                PreparedMaterial {
+                    interior: p.absorption.as_ref().filter(|_| !p.thin).and_then(Interior::new),
+                    encloses: !p.thin,
+                    varying: varies.then(|| Box::new(Varying::new(p, self.scene, &mut self.tables))),
+                    cutout: Cutout::new(p, self.scene).map(Box::new),
+                    normal,
+                    emission,
+                    ..plain(bsdf, p.base_color)
+                }
+            }
+        }
     }
 }
 
-fn diffuse(color: Rgb) -> Bsdf {
+/// Whether what scatters differs from point to point.
+pub(super) fn varies(p: &scene::Principled, colored: bool) -> bool {
+    let t = &p.textures;
+    let scalars = [
+        &t.metallic,
+        &t.roughness,
+        &t.specular,
+        &t.transmission,
+        &t.coat,
+        &t.coat_roughness,
+        &t.sheen_roughness,
+    ];
+    colored
+        || t.base_color.is_some()
+        || t.specular_color.is_some()
+        || t.sheen_color.is_some()
+        || scalars.iter().any(|slot| slot.is_some())
+}
+
+pub(super) fn diffuse(color: Rgb) -> Bsdf {
     if color.is_black() { Bsdf::Black } else { Bsdf::Diffuse(Diffuse { color }) }
 }
 
 /// Whether transmission leaves light on its way, whatever the roughness: a body of index one.
-fn is_straight(p: &scene::Principled) -> bool {
+fn is_straight(p: &Numbers) -> bool {
     p.ior == 1.0 && !p.thin
 }
 
 /// Whether the material is nothing but a smooth dielectric.
-pub(super) fn is_smooth_glass(p: &scene::Principled) -> bool {
+pub(super) fn is_smooth_glass(p: &Numbers) -> bool {
     let smooth = p.roughness * p.roughness < SMOOTH_ALPHA || is_straight(p);
-    smooth && p.metallic == 0.0 && p.transmission == 1.0
+    smooth && p.metallic == 0.0 && p.transmission == 1.0 && !has_layers(p)
+}
+
+/// Whether there is a coat that reflects, or a sheen.
+pub(super) fn has_layers(p: &Numbers) -> bool {
+    has_coat(p) || !p.sheen_color.is_black()
+}
+
+pub(super) fn has_coat(p: &Numbers) -> bool {
+    p.coat > 0.0 && p.coat_ior != 1.0
+}
+
+/// Whether the material is nothing but a Lambertian reflector.
+pub(super) fn is_diffuse(p: &Numbers) -> bool {
+    let plain = p.metallic == 0.0 && p.transmission == 0.0 && (p.specular == 0.0 || p.ior == 1.0);
+    plain && !has_layers(p)
 }
 
 /// The principled material, or what it reduces to exactly.
-fn principled(p: &scene::Principled, rows: &mut Rows) -> Bsdf {
+fn principled(p: &Numbers, rows: &mut Rows) -> Bsdf {
+    if is_smooth_glass(p) {
+        return Bsdf::Glass(Glass { ior: p.ior, tint: p.transmission_tint, thin: p.thin });
+    }
+    let lobes = lobes(p, rows);
+    if lobes.specular.is_none() && p.metallic == 0.0 && p.transmission == 0.0 && !has_layers(p) {
+        return diffuse(p.base_color);
+    }
+    Bsdf::Principled(lobes)
+}
+
+/// All lobes of the principled material.
+pub(super) fn lobes(p: &Numbers, rows: &mut impl Albedos) -> Principled {
     let alpha = p.roughness * p.roughness;
     let smooth = alpha < SMOOTH_ALPHA;
     let dielectric_share = 1.0 - p.metallic;
     let transmits = dielectric_share * p.transmission > 0.0;
     let opaque = dielectric_share * (1.0 - p.transmission) > 0.0;
-    let glass = Glass { ior: p.ior, tint: p.transmission_tint, thin: p.thin };
-    if is_smooth_glass(p) {
-        return Bsdf::Glass(glass);
-    }
     let specular = if opaque { specular(p, alpha, rows) } else { None };
-    if specular.is_none() && p.metallic == 0.0 && p.transmission == 0.0 {
-        return diffuse(p.base_color);
-    }
     let needs_white = !smooth && (p.metallic > 0.0 || specular.is_some());
     let rough = (!smooth && transmits && !is_straight(p)).then(|| {
         let total = if p.thin {
             let white = rows.white(alpha);
-            [Arc::clone(&white), white]
+            [white.clone(), white]
         } else {
-            [rows.total(alpha, p.ior), rows.total(alpha, 1.0 / p.ior)]
+            rows.dielectric(alpha, p.ior)
         };
         RoughDielectric { alpha, ior: p.ior, tint: p.transmission_tint, thin: p.thin, total }
     });
-    Bsdf::Principled(Box::new(Principled {
+    Principled {
         alpha: if smooth { 0.0 } else { alpha },
         metal: p.metallic,
         transmission: p.transmission,
@@ -146,30 +287,56 @@ fn principled(p: &scene::Principled, rows: &mut Rows) -> Bsdf {
         specular,
         white: needs_white.then(|| rows.white(alpha)),
         rough,
-        smooth: glass,
-    }))
+        smooth: Glass { ior: p.ior, tint: p.transmission_tint, thin: p.thin },
+        coat: has_coat(p).then(|| coat(p, rows)),
+        sheen: (!p.sheen_color.is_black()).then(|| sheen(p, rows)),
+    }
 }
 
-/// The dielectric layer; `None` where it reflects nothing.
-fn specular(p: &scene::Principled, alpha: f32, rows: &mut Rows) -> Option<Specular> {
+fn coat(p: &Numbers, rows: &mut impl Albedos) -> Coat {
+    let (alpha, ior) = (p.coat_roughness * p.coat_roughness, p.coat_ior);
+    let smooth = alpha < SMOOTH_ALPHA;
+    Coat {
+        weight: p.coat,
+        alpha: if smooth { 0.0 } else { alpha },
+        ior,
+        albedo: (!smooth).then(|| rows.coat(alpha, ior)),
+    }
+}
+
+fn sheen(p: &Numbers, rows: &mut impl Albedos) -> Sheen {
+    let lobe = Charlie::new(p.sheen_roughness);
+    Sheen { color: p.sheen_color, lobe, albedo: rows.sheen(p.sheen_roughness) }
+}
+
+/// F0 of the dielectric layer, and its tint. A tint above one is strength: as in Cycles it raises the
+/// index, and what is left is the tint.
+fn reflectance(p: &Numbers) -> (f32, Rgb) {
     let strongest = p.specular_color.max_channel();
     let f0 = f0_of_ior(p.ior) * p.specular;
-    // A tint above one is strength: as in Cycles it raises the index, and what is left is the tint.
-    let (f0, tint) = if strongest > 1.0 {
+    if strongest > 1.0 {
         ((f0 * strongest).min(0.99), p.specular_color / strongest)
     } else {
         (f0, p.specular_color)
-    };
+    }
+}
+
+/// Root of the largest F0 that a layer has whose numbers are at most these.
+pub(super) fn largest_root(p: &Numbers) -> f32 {
+    reflectance(p).0.sqrt()
+}
+
+/// The dielectric layer; `None` where it reflects nothing.
+fn specular(p: &Numbers, alpha: f32, rows: &mut impl Albedos) -> Option<Specular> {
+    let (f0, tint) = reflectance(p);
     if f0 <= 0.0 {
         return None;
     }
     let eta = ior_of_f0(f0);
     let mut s = Specular { f0, tint, eta, grazing: None, average: Rgb::BLACK };
-    let share = |mu: f32| ((dielectric(mu, eta).0 - f0) / (1.0 - f0)).clamp(0.0, 1.0);
-    let average = AlbedoRow::new(share).average();
-    s.average = (tint * f0).lerp(Rgb::WHITE, average);
+    s.average = (tint * f0).lerp(Rgb::WHITE, rows.grazing_average(eta, f0));
     if alpha >= SMOOTH_ALPHA {
-        s.grazing = Some(rows.get(2, alpha, eta, |mu| tables::reflected(mu, alpha, share)));
+        s.grazing = Some(rows.grazing(alpha, eta, f0));
     }
     Some(s)
 }

@@ -8,14 +8,23 @@
 //! Nothing here normalises lengths: a scene scaled by a power of two is prepared into the same numbers
 //! scaled by it.
 
+mod albedo;
 mod camera;
+mod cutout;
+mod detail;
+mod fold;
 mod geometry;
+mod glow;
 mod lights;
 mod material;
+mod normal;
 mod plan;
 mod surface;
+mod texture;
+mod varying;
 
 pub use camera::CameraRays;
+pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
 pub use plan::{Effect, Effects, KERNELS, KernelSet, Need, Plan, analyse};
 pub use surface::Surface;
@@ -104,6 +113,9 @@ pub struct Prepared {
     /// Format of length sums.
     pub length_format: FixedPoint,
     geometry: geometry::Attributes,
+    details: detail::Details,
+    /// Whether there is a surface that light may pass without being scattered.
+    cutouts: bool,
     object_materials: Vec<u32>,
 }
 
@@ -131,12 +143,15 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
         })?,
     };
     let plan = analyse(scene, camera, options);
-    let materials = material::compile(scene);
-    let flat = geometry::flatten(scene);
-    let lights = lights::collect(scene, &flat);
+    let folded = fold::fold(scene);
+    let materials = material::compile(scene, &folded);
+    let flat = geometry::flatten(scene, &folded);
+    let details = detail::Details::new(scene, &folded, &flat);
+    let lights = lights::collect(scene, &folded, &flat, &details, &materials);
     let lengths = FixedPoint::around(flat.reach(camera) as f32);
     let radiance_format =
         FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));
+    let cutouts = scene.objects.iter().any(|o| materials[o.material.0 as usize].cutout.is_some());
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
     Ok(Prepared {
         plan,
@@ -151,6 +166,8 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
         radiance_format,
         length_format: lengths,
         geometry: flat.attributes,
+        details,
+        cutouts,
         object_materials: scene.objects.iter().map(|o| o.material.0).collect(),
     })
 }

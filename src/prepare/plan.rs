@@ -7,8 +7,10 @@
 
 use std::fmt;
 
+use super::fold::fold;
+use super::material::{self, Numbers};
 use super::{EffectsMode, Options};
-use crate::scene::{Camera, Light, LightKind, MaterialKind, Principled, Scene, Shape, Sides};
+use crate::scene::{AlphaMode, Camera, Light, LightKind, MaterialKind, Principled, Scene, Shape, Sides};
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,11 +38,19 @@ pub enum Effect {
     SmoothNormals,
     /// Depth of field.
     Lens,
+    /// Pictures that vary what surfaces reflect, transmit and emit.
+    Textures,
+    /// Surfaces that are not there everywhere.
+    Cutouts,
+    /// Normals from pictures.
+    NormalMaps,
+    /// Colours of vertices.
+    VertexColors,
 }
 
 impl Effect {
     /// All of them, in report order.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 15] = [
         Self::AreaLights,
         Self::FreeLights,
         Self::DeltaLights,
@@ -52,6 +62,10 @@ impl Effect {
         Self::Absorption,
         Self::SmoothNormals,
         Self::Lens,
+        Self::Textures,
+        Self::Cutouts,
+        Self::NormalMaps,
+        Self::VertexColors,
     ];
 
     /// What people call it.
@@ -69,6 +83,10 @@ impl Effect {
             Self::Absorption => "absorption",
             Self::SmoothNormals => "smooth normals",
             Self::Lens => "lens",
+            Self::Textures => "textures",
+            Self::Cutouts => "cut-outs",
+            Self::NormalMaps => "normal maps",
+            Self::VertexColors => "vertex colours",
         }
     }
 
@@ -87,6 +105,10 @@ impl Effect {
             Self::Absorption => "no interior absorbs",
             Self::SmoothNormals => "no mesh interpolates its normals",
             Self::Lens => "the camera is a pinhole",
+            Self::Textures => "no material varies with a picture",
+            Self::Cutouts => "every surface is solid",
+            Self::NormalMaps => "no material takes normals from a picture",
+            Self::VertexColors => "no mesh has coloured vertices",
         }
     }
 }
@@ -233,9 +255,14 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
             needs.ask(Effect::SmoothNormals, || format!("object \"{}\"", object.name));
         }
     }
-    for (material, _) in scene.materials.iter().zip(used).filter(|(_, used)| *used) {
-        for effect in material.kind.needs() {
+    let folded = fold(scene);
+    for (i, material) in scene.materials.iter().enumerate().filter(|(i, _)| used[*i]) {
+        let colored = folded.uses[i].colored;
+        for effect in material_needs(&folded.kinds[i], colored.is_some()) {
             needs.ask(effect, || format!("material \"{}\"", material.name));
+        }
+        if let Some(object) = colored {
+            needs.ask(Effect::VertexColors, || format!("object \"{}\"", scene.objects[object].name));
         }
     }
     for light in &scene.lights {
@@ -262,52 +289,60 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     Plan { needs, kernel, replications: super::replications(pixels) }
 }
 
-trait Needs {
-    fn needs(&self) -> Vec<Effect>;
-}
-
-impl Needs for MaterialKind {
-    fn needs(&self) -> Vec<Effect> {
-        let mut needs = Vec::new();
-        let absorbs = match self {
-            Self::Diffuse { .. } => {
-                needs.push(Effect::Diffuse);
-                false
-            }
-            Self::Mirror { .. } => {
-                needs.push(Effect::Mirror);
-                false
-            }
-            Self::Glass(g) => {
-                needs.push(Effect::Refraction);
-                g.absorption.is_some()
-            }
-            Self::Light { .. } => false,
-            Self::Principled(p) => {
-                needs.extend(principled_needs(p));
-                p.absorption.is_some()
-            }
-        };
-        if absorbs {
-            needs.push(Effect::Absorption);
+/// What a folded material calls for, where `colored` says that vertices have colours.
+fn material_needs(kind: &MaterialKind, colored: bool) -> Vec<Effect> {
+    let mut needs = Vec::new();
+    let absorbs = match kind {
+        MaterialKind::Diffuse { .. } => {
+            needs.push(Effect::Diffuse);
+            false
         }
-        if let Some((_, Sides::Front | Sides::Both)) = self.emission() {
-            needs.push(Effect::AreaLights);
+        MaterialKind::Mirror { .. } => {
+            needs.push(Effect::Mirror);
+            false
         }
-        needs
+        MaterialKind::Glass(g) => {
+            needs.push(Effect::Refraction);
+            g.absorption.is_some()
+        }
+        MaterialKind::Light { .. } => false,
+        MaterialKind::Principled(p) => {
+            needs.extend(principled_needs(p, colored));
+            p.absorption.is_some()
+        }
+    };
+    if absorbs {
+        needs.push(Effect::Absorption);
     }
+    if let Some((_, Sides::Front | Sides::Both)) = kind.emission() {
+        needs.push(Effect::AreaLights);
+    }
+    needs
 }
 
 /// What a principled material compiles to decides; the compiler's tests compare the two.
-fn principled_needs(p: &Principled) -> Vec<Effect> {
-    let plain = p.metallic == 0.0 && p.transmission == 0.0 && (p.specular == 0.0 || p.ior == 1.0);
-    if super::material::is_smooth_glass(p) {
-        vec![Effect::Refraction]
-    } else if plain {
-        vec![Effect::Diffuse]
+fn principled_needs(p: &Principled, colored: bool) -> Vec<Effect> {
+    let numbers = Numbers::from(p);
+    let varies = material::varies(p, colored);
+    // What varies is compiled at the hit, to all of its lobes.
+    let mut needs = vec![if material::is_diffuse(&numbers) {
+        Effect::Diffuse
+    } else if material::is_smooth_glass(&numbers) && !varies {
+        Effect::Refraction
     } else {
-        vec![Effect::Glossy]
+        Effect::Glossy
+    }];
+    let t = &p.textures;
+    if material::varies(p, false) || t.emission.is_some() {
+        needs.push(Effect::Textures);
     }
+    if p.alpha_mode != AlphaMode::Opaque {
+        needs.push(Effect::Cutouts);
+    }
+    if t.normal.is_some() {
+        needs.push(Effect::NormalMaps);
+    }
+    needs
 }
 
 trait LightNeeds {

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::Prepared;
+use super::normal::NormalMap;
+use super::{Detail, Prepared, PreparedMaterial};
 use crate::accel::{Hit, PrimitiveId};
 use crate::shape::{Ray, sphere, triangle};
 
@@ -52,6 +53,67 @@ impl Prepared {
         }
         let local = Surface { p, p_err, ng, ns, object, id };
         if id.instance == 0 { local } else { self.to_world(local) }
+    }
+
+    /// What varies over the mesh, at a hit.
+    #[inline]
+    #[must_use]
+    pub(crate) fn detail(&self, object: u32, hit: &Hit) -> Detail {
+        self.details.at(object, hit.id, hit.b)
+    }
+
+    /// The normal that a map gives at a hit, unit; `None` where the mesh has no frame for it, or it none.
+    #[inline]
+    #[must_use]
+    pub(crate) fn mapped_normal(
+        &self,
+        map: &NormalMap,
+        object: u32,
+        hit: &Hit,
+        detail: &Detail,
+    ) -> Option<Vec3> {
+        let (tangent, turn) = self.details.tangent(object, hit.id, hit.b, map.uv_set())?;
+        (*turn * map.normal(detail, &tangent)).try_normalize().map(|n| n.as_vec3())
+    }
+
+    /// The material of a primitive, and its object.
+    #[inline]
+    #[must_use]
+    pub(crate) fn material_at(&self, id: PrimitiveId) -> (&PreparedMaterial, u32) {
+        let object = self.geometry.object_of(id);
+        (&self.materials[self.material_of(object) as usize], object)
+    }
+
+    /// The share of the surface that is there at a hit, [0, 1].
+    #[inline]
+    #[must_use]
+    pub(crate) fn coverage(&self, hit: &Hit) -> f32 {
+        let object = self.geometry.object_of(hit.id);
+        let material = &self.materials[self.material_of(object) as usize];
+        material.cutout.as_ref().map_or(1.0, |c| c.coverage(&self.detail(object, hit)))
+    }
+
+    /// Whether there is a surface that light may pass without being scattered.
+    #[inline]
+    #[must_use]
+    pub(crate) fn has_cutouts(&self) -> bool {
+        self.cutouts
+    }
+
+    /// Where the point `p` of a triangle of the world lies on it: a hit whose distance means nothing.
+    #[must_use]
+    pub(crate) fn hit_at(&self, id: PrimitiveId, p: Vec3) -> Hit {
+        let geometry = self.accel.geometry(self.accel.space_of(id.instance));
+        if id.primitive as usize >= geometry.triangles.len() {
+            return Hit { t: 0.0, id, b: [0.0; 2] };
+        }
+        let [a, b, c] = geometry.vertices(id.primitive).map(|v| v.as_dvec3());
+        let (e, f, d) = (b - a, c - a, p.as_dvec3() - a);
+        let n = e.cross(f);
+        let n2 = n.length_squared();
+        let b1 = (d.cross(f).dot(n) / n2).clamp(0.0, 1.0);
+        let b2 = (e.cross(d).dot(n) / n2).clamp(0.0, 1.0 - b1);
+        Hit { t: 0.0, id, b: [b1 as f32, b2 as f32] }
     }
 
     /// Takes a surface from the space of its instance to the world, in `f64`.

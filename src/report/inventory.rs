@@ -7,7 +7,7 @@ use std::fmt;
 use glam::DVec3;
 use serde::Serialize;
 
-use crate::scene::{Object, Scene, Shape};
+use crate::scene::{Image, Mesh, Object, Scene, Shape};
 
 /// What a scene holds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,6 +24,10 @@ pub struct Inventory {
     pub spheres: usize,
     /// Meshes.
     pub meshes: usize,
+    /// Pictures that textures and the environment use.
+    pub images: Vec<ImageSize>,
+    /// What the scene takes in memory.
+    pub memory_bytes: Memory,
     /// Names of the materials.
     pub materials: Vec<String>,
     /// Objects whose material emits.
@@ -44,9 +48,38 @@ pub struct Inventory {
     pub samples: Option<u32>,
 }
 
+/// A picture of a scene.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ImageSize {
+    /// Its name, which need not be unique.
+    pub name: String,
+    /// Where it lies, relative to the scene's file; none where the scene's file holds it.
+    pub file: Option<String>,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// What its decoded texels take in memory.
+    pub bytes: u64,
+}
+
+/// Bytes of memory, by what takes them; each shared mesh and picture counts once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Memory {
+    /// Vertices and triangles, without what a render builds over them.
+    pub meshes: u64,
+    /// Decoded texels.
+    pub images: u64,
+}
+
 /// Counts what a scene holds.
 #[must_use]
 pub fn inventory(scene: &Scene) -> Inventory {
+    let images: Vec<_> = scene.images.iter().map(image_size).collect();
+    let memory_bytes = Memory {
+        meshes: scene.meshes.iter().map(mesh_bytes).sum(),
+        images: images.iter().map(|i| i.bytes).sum(),
+    };
     let mut result = Inventory {
         title: scene.title.clone(),
         objects: scene.objects.len(),
@@ -54,6 +87,8 @@ pub fn inventory(scene: &Scene) -> Inventory {
         triangles_stored: scene.meshes.iter().map(|m| m.triangles.len() as u64).sum(),
         spheres: 0,
         meshes: scene.meshes.len(),
+        images,
+        memory_bytes,
         materials: scene.materials.iter().map(|m| m.name.clone()).collect(),
         emitters: 0,
         lights: scene.lights.iter().map(|l| l.name.clone()).collect(),
@@ -86,6 +121,30 @@ pub fn inventory(scene: &Scene) -> Inventory {
     }
     result.bounds = (bounds.low.x <= bounds.high.x).then(|| [bounds.low.to_array(), bounds.high.to_array()]);
     result
+}
+
+fn image_size(image: &Image) -> ImageSize {
+    let pixels = image.pixels.as_deref();
+    ImageSize {
+        name: image.name.clone(),
+        file: image.file.clone(),
+        width: pixels.map_or(0, |p| p.width),
+        height: pixels.map_or(0, |p| p.height),
+        bytes: pixels.map_or(0, |p| p.texels.bytes() as u64),
+    }
+}
+
+fn mesh_bytes(mesh: &Mesh) -> u64 {
+    let lists = [
+        size_of_val(&*mesh.positions),
+        size_of_val(&*mesh.normals),
+        size_of_val(&*mesh.tangents),
+        size_of_val(&*mesh.uvs[0]),
+        size_of_val(&*mesh.uvs[1]),
+        size_of_val(&*mesh.colors),
+        size_of_val(&*mesh.triangles),
+    ];
+    lists.map(|bytes| bytes as u64).iter().sum()
 }
 
 struct Bounds {
@@ -128,6 +187,12 @@ impl fmt::Display for Inventory {
         row("lights", list(&self.lights))?;
         row("environment", self.environment.clone().unwrap_or_else(|| "none".into()))?;
         row("materials", list(&self.materials))?;
+        if !self.images.is_empty() {
+            let name = |i: &ImageSize| format!("{} ({}x{})", i.name, i.width, i.height);
+            row("images", list(&self.images.iter().map(name).collect::<Vec<_>>()))?;
+        }
+        let Memory { meshes, images } = self.memory_bytes;
+        row("memory", format!("{} MB of meshes, {} MB of images", megabytes(meshes), megabytes(images)))?;
         row("cameras", list(&self.cameras))?;
         if let Some([low, high]) = self.bounds {
             let extent = |i: usize| short(high[i] - low[i]);
@@ -157,6 +222,18 @@ fn list(names: &[String]) -> String {
     format!("{}: {shown}{more}", names.len())
 }
 
+/// Millions of bytes, to three significant digits where they are few.
+fn megabytes(bytes: u64) -> String {
+    let mb = bytes as f64 / 1e6;
+    match mb {
+        0.0 => "0".into(),
+        _ if mb < 0.01 => "<0.01".into(),
+        _ if mb < 10.0 => format!("{mb:.2}"),
+        _ if mb < 100.0 => format!("{mb:.1}"),
+        _ => format!("{mb:.0}"),
+    }
+}
+
 /// Five significant digits, without zeros at the end.
 fn short(v: f64) -> String {
     if v == 0.0 {
@@ -183,6 +260,52 @@ mod tests {
         let [low, high] = inventory.bounds.unwrap();
         assert!((high[1] - low[1] - 10.0).abs() < 1e-6, "up is y: {low:?} {high:?}");
         insta::assert_snapshot!(inventory);
+    }
+
+    /// Shared meshes and pictures count once, and every list of a mesh counts.
+    #[test]
+    fn memory_is_that_of_what_is_stored() {
+        use std::sync::Arc;
+
+        use glam::{DAffine3, Vec2, Vec3};
+
+        use crate::scene::{Image, Material, MaterialId, MaterialKind, MeshId, Pixels, Texels};
+
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            uvs: [vec![Vec2::ZERO; 3], Vec::new()],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let object = Object {
+            name: String::new(),
+            shape: Shape::Mesh(MeshId(0)),
+            material: MaterialId(0),
+            transform: DAffine3::IDENTITY,
+            visible_to_camera: true,
+        };
+        let pixels = Pixels { width: 3, height: 2, texels: Texels::Byte(vec![[0; 4]; 6]) };
+        let kind = MaterialKind::Principled(Box::default());
+        let scene = Scene {
+            meshes: vec![mesh],
+            objects: vec![object.clone(), object],
+            materials: vec![Material { name: "m".into(), kind }],
+            images: vec![Image {
+                name: "wood".into(),
+                file: Some("maps/wood.png".into()),
+                encoded: None,
+                pixels: Some(Arc::new(pixels)),
+            }],
+            ..Scene::default()
+        };
+        let inventory = inventory(&scene);
+        assert_eq!(inventory.memory_bytes, Memory { meshes: 3 * 12 + 3 * 8 + 12, images: 24 });
+        assert!(inventory.to_string().contains("1: wood (3x2)"), "{inventory}");
+        let json = serde_json::to_value(&inventory).unwrap();
+        assert_eq!(json["images"][0]["file"], "maps/wood.png");
+        assert_eq!(json["memory_bytes"], serde_json::json!({"meshes": 72, "images": 24}));
+        let sizes = [0, 1, 123_456, 45_678_901, 1_234_567_890].map(megabytes);
+        assert_eq!(sizes, ["0", "<0.01", "0.12", "45.7", "1235"]);
     }
 
     #[test]

@@ -20,6 +20,10 @@ pub enum Purpose {
     Bsdf = 2,
     /// Everything that tests draw.
     Test = 3,
+    /// Everything that one ray of `--method report` draws, in the order of its tree.
+    Report = 4,
+    /// Whether a surface is there where it is partly transparent (one number); k counts what was passed.
+    Alpha = 5,
 }
 
 /// Where in the computation a sample is: a pure function of (seed, pixel, replication, index).

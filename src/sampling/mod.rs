@@ -7,8 +7,10 @@
 
 mod address;
 mod distribution;
+mod piecewise;
 mod sobol;
 pub mod warp;
 
 pub use address::{Address, Purpose, Stream};
 pub use distribution::Discrete;
+pub use piecewise::{Cell, Grid};

@@ -90,7 +90,9 @@ pub struct Principled {
     pub specular_color: Rgb,
     /// Share of light that is transmitted instead of scattered diffusely, [0, 1].
     pub transmission: f32,
-    /// Factor on each refraction event, [0, 1].
+    /// Factor on each refraction event, [0, 1]. It takes part in what varies the base colour: texel and
+    /// vertex colour multiply it too, by their square root where a body is entered and left (Cycles tints
+    /// each interface so), as they are where a sheet is passed.
     pub transmission_tint: Rgb,
     /// True where transmission passes a sheet without bending: the surface encloses no volume.
     pub thin: bool,
@@ -112,7 +114,8 @@ pub struct Principled {
     pub sheen_color: Rgb,
     /// Perceptual roughness of the sheen, [0, 1].
     pub sheen_roughness: f32,
-    /// What multiplies the numbers and colours above.
+    /// What multiplies the numbers and colours above; products that have to be fractions are clamped to
+    /// [0, 1].
     pub textures: Textures,
 }
 

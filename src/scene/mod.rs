@@ -8,6 +8,7 @@
 
 mod camera;
 mod defaults;
+pub(crate) mod extension;
 mod image;
 mod light;
 mod material;
@@ -16,6 +17,7 @@ mod note;
 pub(crate) mod notes;
 mod pictures;
 mod repair;
+pub(crate) mod tangents;
 pub mod text;
 mod texture;
 mod validate;

@@ -1,7 +1,13 @@
 //! Validation of pictures, and of the textures that use them.
 
+use std::collections::HashSet;
+
+use super::notes::Notes;
 use super::validate::{Check, emitted, fraction, in_range, wrong};
-use super::{AlphaMode, Environment, Image, MAX_RADIANCE, Pixels, Principled, Scene, Texels, Texture};
+use super::{
+    AlphaMode, Environment, Image, MAX_RADIANCE, MaterialKind, MeshId, Note, NoteEffect, Pixels, Principled,
+    Scene, Shape, Texels, Texture,
+};
 
 /// The largest offset, scale and absolute angle of a texture: beyond it a single has no digits left for
 /// the place within a picture.
@@ -64,17 +70,80 @@ fn texture(t: &Texture, images: usize, place: &str) -> Check {
         return wrong(format!("{place}.uv_set"), format!("{} has to be 0 or 1", t.uv_set));
     }
     let range = format!("from -{MAX_UV} to {MAX_UV}");
-    let numbers = [
-        ("offset", t.offset[0]),
-        ("offset", t.offset[1]),
-        ("rotation", t.rotation),
-        ("scale", t.scale[0]),
-        ("scale", t.scale[1]),
-    ];
+    let numbers =
+        [("offset", t.offset[0]), ("offset", t.offset[1]), ("scale", t.scale[0]), ("scale", t.scale[1])];
     for (key, v) in numbers {
         in_range(format!("{place}.{key}"), v.into(), v.abs() <= MAX_UV, &range)?;
     }
-    Ok(())
+    let ok = t.rotation.abs() <= MAX_UV;
+    let degrees = f64::from(t.rotation).to_degrees();
+    in_range(format!("{place}.rotation"), degrees, ok, "at most 57 million degrees either way")
+}
+
+/// Emission with its texture; the brightest texel counts.
+pub(super) fn emission(p: &Principled, images: &[Image], place: &str) -> Check {
+    let Some(t) = &p.textures.emission else { return Ok(()) };
+    let pixels = images.get(t.image.0 as usize).and_then(|i| i.pixels.as_ref());
+    let Some(Texels::Float(list)) = pixels.map(|p| &p.texels) else { return Ok(()) };
+    let brightest = list.iter().flatten().fold(0.0f32, |m, &c| m.max(c));
+    let product = brightest * p.emission.max_channel();
+    let range = "at most 1e30 where the picture is brightest";
+    in_range(format!("{place}.emission"), product.into(), product <= MAX_RADIANCE, range)
+}
+
+/// Notes about textures that cannot be laid as they are meant, at most one for each material and mesh, and
+/// about what is not rendered.
+pub(super) fn notes(scene: &Scene) -> Vec<Note> {
+    let mut notes = Notes::default();
+    let mut seen = HashSet::new();
+    for (i, object) in scene.objects.iter().enumerate() {
+        let material = &scene.materials[object.material.0 as usize];
+        let MaterialKind::Principled(p) = &material.kind else { continue };
+        if p.textures.is_empty() || !seen.insert((object.material, mesh_of(object.shape))) {
+            continue;
+        }
+        let has = |set: u8| match object.shape {
+            Shape::Mesh(m) => !scene.meshes[m.0 as usize].uvs[usize::from(set)].is_empty(),
+            Shape::Sphere { .. } => false,
+        };
+        let varies = |t: &Texture| {
+            let pixels = scene.images[t.image.0 as usize].pixels.as_ref();
+            pixels.is_some_and(|p| p.texels.len() > 1)
+        };
+        let lost: Vec<&str> =
+            p.textures.iter().filter(|(_, t)| !has(t.uv_set) && varies(t)).map(|(key, _)| key).collect();
+        if lost.is_empty() {
+            continue;
+        }
+        let what = match object.shape {
+            Shape::Mesh(m) => format!("mesh \"{}\"", scene.meshes[m.0 as usize].name),
+            Shape::Sphere { .. } => "a sphere".to_owned(),
+        };
+        let message = format!(
+            "{what} has no texture coordinates for {} of material \"{}\", which is read at (0, 0)",
+            lost.join(", "),
+            material.name
+        );
+        notes.add("uv-missing", NoteEffect::Differs, format!("objects[{i}]"), message);
+    }
+    for (i, material) in scene.materials.iter().enumerate() {
+        if let MaterialKind::Principled(p) = &material.kind
+            && p.textures.coat_normal.is_some()
+            && p.coat > 0.0
+        {
+            let message = "the coat's normals are not rendered: it follows those of the rest";
+            let place = format!("materials[{i}].principled.coat_normal_texture");
+            notes.add("coat-normal-ignored", NoteEffect::Differs, place, message);
+        }
+    }
+    notes.finish()
+}
+
+fn mesh_of(shape: Shape) -> Option<MeshId> {
+    match shape {
+        Shape::Mesh(m) => Some(m),
+        Shape::Sphere { .. } => None,
+    }
 }
 
 /// The environment; its brightest texel counts.
@@ -139,6 +208,55 @@ mod tests {
             MaterialKind::Principled(p) => p,
             _ => unreachable!(),
         }
+    }
+
+    /// Guards the note about missing texture coordinates: one for each material and mesh, however many
+    /// objects there are, and none where nothing is lost.
+    #[test]
+    fn missing_coordinates_are_noted_once() {
+        use glam::{DAffine3, Vec2, Vec3};
+
+        use super::super::{MaterialId, Mesh, Object};
+        let pixels = Pixels { width: 2, height: 1, texels: Texels::Byte(vec![[0; 4], [9; 4]]) };
+        let mut p = Principled::default();
+        p.textures.base_color = Some(Texture::new(ImageId(0)));
+        p.textures.emission = Some(Texture { uv_set: 1, ..Texture::new(ImageId(0)) });
+        let object = |shape| Object {
+            name: "o".into(),
+            shape,
+            material: MaterialId(0),
+            transform: DAffine3::IDENTITY,
+            visible_to_camera: true,
+        };
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        let mesh = Mesh {
+            name: "leaf".into(),
+            positions,
+            uvs: [vec![Vec2::ZERO; 3], Vec::new()],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let mut scene = Scene {
+            images: vec![Image {
+                name: "i".into(),
+                file: None,
+                encoded: None,
+                pixels: Some(Arc::new(pixels)),
+            }],
+            materials: vec![Material { name: "m".into(), kind: MaterialKind::Principled(Box::new(p)) }],
+            meshes: vec![mesh],
+            objects: vec![object(Shape::Mesh(MeshId(0))), object(Shape::Mesh(MeshId(0)))],
+            ..Scene::default()
+        };
+        scene.objects.push(object(Shape::Sphere { radius: 1.0 }));
+        let found: Vec<String> = validate(&mut scene).expect("valid").iter().map(Note::to_string).collect();
+        assert_eq!(
+            found,
+            [
+                "objects[0]: mesh \"leaf\" has no texture coordinates for emission of material \"m\", which is read at (0, 0)",
+                "objects[2]: a sphere has no texture coordinates for base_color, emission of material \"m\", which is read at (0, 0)",
+            ]
+        );
     }
 
     /// Guards that nothing after validation meets a texel, an index or a number out of range.

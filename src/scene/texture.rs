@@ -108,7 +108,7 @@ pub struct Textures {
     pub metallic: Option<ScalarTexture>,
     /// Perceptual roughness.
     pub roughness: Option<ScalarTexture>,
-    /// Normals of everything but the coat.
+    /// Normals.
     pub normal: Option<NormalTexture>,
     /// Emitted radiance, as a factor.
     pub emission: Option<Texture>,
@@ -122,7 +122,7 @@ pub struct Textures {
     pub coat: Option<ScalarTexture>,
     /// Perceptual roughness of the coat.
     pub coat_roughness: Option<ScalarTexture>,
-    /// Normals of the coat.
+    /// Normals of the coat. Not rendered yet: the coat follows the normals of the rest.
     pub coat_normal: Option<NormalTexture>,
     /// Colour of the sheen.
     pub sheen_color: Option<Texture>,

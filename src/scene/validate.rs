@@ -53,6 +53,9 @@ pub fn validate(scene: &mut Scene) -> Result<Vec<Note>, SceneError> {
     pictures::images(&scene.images)?;
     for (i, m) in scene.materials.iter().enumerate() {
         material(m, scene.images.len(), &format!("materials[{i}]"))?;
+        if let MaterialKind::Principled(p) = &m.kind {
+            pictures::emission(p, &scene.images, &format!("materials[{i}].principled"))?;
+        }
     }
     let mut notes = Vec::new();
     for (i, mesh) in scene.meshes.iter_mut().enumerate() {
@@ -75,6 +78,7 @@ pub fn validate(scene: &mut Scene) -> Result<Vec<Note>, SceneError> {
     if let Some(e) = &scene.environment {
         pictures::environment(e, scene)?;
     }
+    notes.extend(pictures::notes(scene));
     Ok(notes)
 }
 

@@ -18,6 +18,7 @@ use crate::support::features::{self, camera, dark_stage, round_mesh};
 use crate::support::scaling::scaled;
 use crate::support::scenes::{Build, diffuse, emitter, facing, glass, mirror, principled};
 use crate::support::seed::seed;
+use crate::support::textured;
 
 const SIZE: [u32; 2] = [20, 14];
 
@@ -394,4 +395,97 @@ fn the_seed_decides() {
     };
     check_equal(&with(1), &with(1), "the same seed");
     assert_ne!(with(1).rgb, with(2).rgb);
+}
+
+/// Guards glTF both ways: a scene that was written as GLB and read again is the same picture.
+#[test]
+fn a_scene_through_glb_changes_nothing() {
+    use epsilux::{export, import};
+    for name in ["hexroom", "materials"] {
+        let scene = file(name);
+        let folder = tempfile::tempdir().expect("a folder");
+        let encoded = export::encode(&scene, export::Format::Glb, "scene.glb").expect("a small scene");
+        export::write(&encoded.files, folder.path()).expect("a folder that can be written");
+        let path = folder.path().join("scene.glb");
+        let (read, _) = import::read(&path, &import::ReadOptions::default()).expect("our own file");
+        let [a, b] = [&scene, &read].map(|scene| {
+            let options = options([24, 24], seed("glb"), None);
+            let passes = RenderOptions { passes: 0..4, ..passes() };
+            picture(&prepare(scene, &options).expect("a camera"), &passes)
+        });
+        check_equal(&a, &b, name);
+    }
+}
+
+fn textured_scenes() -> Vec<(String, Scene)> {
+    let lists =
+        [textured::textures(), textured::normal_maps(), textured::cutouts(), textured::vertex_colors()];
+    let mut scenes: Vec<(String, Scene)> = lists.into_iter().flat_map(|l| l.into_iter().step_by(5)).collect();
+    scenes.extend(textured::emissive());
+    scenes.push(("everything textured".into(), textured::everything_textured()));
+    scenes.into_iter().map(|(name, scene)| (name, valid(&scene))).collect()
+}
+
+/// Guards textures against all that must not matter: kernels, threads, instructions and, where the tables
+/// are at hand, scale.
+#[test]
+fn textured_scenes_have_the_same_bytes_too() {
+    for (name, scene) in textured_scenes() {
+        check_kernels(&name, &scene);
+        let scene = prepared(&scene, EffectsMode::Auto);
+        let expected = picture(&scene, &passes());
+        check_equal(&expected, &picture(&scene, &RenderOptions { threads: 3, ..passes() }), &name);
+        let mut portable = scene.clone();
+        portable.accel = portable.accel.portable();
+        check_equal(&expected, &picture(&portable, &passes()), &name);
+    }
+    check_scales("everything textured", &valid(&textured::everything_textured()), |scene| scene);
+}
+
+/// Guards that constant textures are numbers: the picture is that of the material without them, and
+/// nothing is simulated for them.
+#[test]
+fn constant_textures_are_numbers() {
+    let (mut bare, mut laid) = (features::stage(), features::stage());
+    let numbers = |p: &mut epsilux::scene::Principled, factor: f32| {
+        p.base_color = Rgb::new(0.5, 0.25, 1.0) * factor;
+        (p.roughness, p.metallic) = (0.5 * factor, factor);
+        p.emission = Rgb::grey(0.25 * factor);
+    };
+    bare.sphere(DVec3::Y, 1.0, principled(|p| numbers(p, 0.5)));
+    let half = epsilux::scene::Texels::Float(vec![[0.5; 3]; 6]);
+    let image = textured::add_image(&mut laid, 3, 2, half);
+    let one = textured::add_image(&mut laid, 1, 1, epsilux::scene::Texels::Byte(vec![[255; 4]]));
+    let texture = epsilux::scene::Texture::new(image);
+    let scalar = Some(epsilux::scene::ScalarTexture { texture, channel: epsilux::scene::Channel::G });
+    let kind = principled(|p| {
+        numbers(p, 1.0);
+        p.alpha_mode = epsilux::scene::AlphaMode::Blend;
+        let t = &mut p.textures;
+        (t.base_color, t.emission) = (Some(texture), Some(texture));
+        (t.metallic, t.roughness) = (scalar, scalar);
+        let texture = epsilux::scene::Texture::new(one);
+        t.alpha = Some(epsilux::scene::ScalarTexture { texture, channel: epsilux::scene::Channel::A });
+        t.specular_color = Some(texture);
+    });
+    laid.sphere(DVec3::Y, 1.0, kind);
+    let (bare, laid) = (valid(&bare), valid(&laid));
+    let (a, b) = (prepared(&bare, EffectsMode::Auto), prepared(&laid, EffectsMode::Auto));
+    assert_eq!(a.plan, b.plan);
+    check_equal(&picture(&a, &passes()), &picture(&b, &passes()), "constant textures");
+}
+
+/// Guards what `explain` says of textures, with the first thing that asks for each.
+#[test]
+fn the_plan_names_textures_with_a_witness() {
+    let scene = valid(&textured::everything_textured());
+    let plan = prepared(&scene, EffectsMode::Auto).plan.to_string();
+    for line in [
+        "simulated     textures        material \"material 2\" (and 2 more)",
+        "simulated     cut-outs        material \"material 4\" (and 1 more)",
+        "simulated     normal maps     material \"material 2\"",
+        "simulated     vertex colours  object \"object 4\"",
+    ] {
+        assert!(plan.contains(line), "{line}\n{plan}");
+    }
 }

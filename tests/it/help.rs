@@ -6,7 +6,7 @@ use crate::command::Folder;
 #[test]
 fn help_teaches() {
     let folder = Folder::new();
-    for command in ["", "render", "explain", "info", "compare", "demo", "schema"] {
+    for command in ["", "render", "explain", "info", "convert", "compare", "demo", "schema"] {
         let said = folder.done(&format!("{command} --help"));
         assert_eq!(said.err, "");
         let name = if command.is_empty() { "epsilux" } else { command };

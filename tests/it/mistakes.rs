@@ -17,6 +17,17 @@ fn mistakes_are_explained() {
     folder.write("cut.glb", b"glTF\x02\0\0\0\xff\0\0\0\x10\0\0\0JSON{");
     folder.write("needs.gltf", r#"{"asset":{"version":"2.0"},"extensionsRequired":["VENDOR_unheard_of"]}"#);
     folder.write("dark.toml", DARK);
+    folder.write(
+        "lamp.toml",
+        DARK.to_owned() + "[[light]]\nname = \"lamp\"\npoint = { intensity = [1, 1, 1] }\n",
+    );
+    folder.write(
+        "rough.toml",
+        room.replace(
+            "mirror = { mirror = [1, 1, 1] }",
+            "mirror = { principled = { metallic = 1, roughness = 0.2 } }",
+        ),
+    );
     folder.write("room.blend", "BLENDER-v500");
     folder.write("bytes.toml", b"\xff\xfe");
     folder.write("text.png", "no picture");
@@ -46,6 +57,11 @@ fn mistakes_are_explained() {
         ("render room.toml --tone filmic", 2),
         ("render room.toml -o room.png --aov normal", 2),
         ("render room.toml --method reference --time 3s", 2),
+        ("render room.toml --method report --time 3s", 2),
+        ("render room.toml --as-printed", 2),
+        ("render room.toml --method report --as-printed=shlick", 2),
+        ("render lamp.toml --method report", 4),
+        ("render rough.toml --method report --strict", 5),
         ("render room.toml --sppp 3", 2),
         ("render dark.toml --strict", 5),
         ("compare nothing.exr nothing.exr", 4),

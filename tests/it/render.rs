@@ -40,6 +40,32 @@ fn equal_renders_are_equal_files() {
     assert!(folder.read("seed.exr") != folder.read("0.exr"), "another seed is another picture");
 }
 
+/// The report's method makes equal files too. It takes a ray in each quarter of the pixel, and as printed
+/// its room is black.
+#[test]
+fn the_method_of_the_report() {
+    let folder = Folder::with_room();
+    let report = "render room.toml --size 40x30 --method report";
+    for threads in [1, 2] {
+        let said = folder.done(&format!("{report} --spp 6 -o {threads}.exr --threads {threads}"));
+        assert!(said.err.contains("8 samples per pixel"), "{}", said.err);
+    }
+    assert!(folder.read("1.exr") == folder.read("2.exr"));
+    let image = read_exr(&folder.path("1.exr")).unwrap();
+    assert_eq!(image.count.unwrap(), [8; 1200]);
+    let attributes = |image: &epsilux::film::Image, name: &str| {
+        image.attributes.iter().find(|(n, _)| n == name).map(|(_, value)| value.clone())
+    };
+    folder.done(&format!("{report} --spp 1 -o printed.exr --as-printed"));
+    let printed = read_exr(&folder.path("printed.exr")).unwrap();
+    assert!(printed.rgb.iter().all(|c| c.is_black()));
+    assert_eq!(attributes(&printed, "slips").unwrap().split(", ").count(), 8);
+    folder.done(&format!("{report} --spp 4 -o line.exr --as-printed=schlick,area"));
+    let line = read_exr(&folder.path("line.exr")).unwrap();
+    assert_eq!(attributes(&line, "slips").as_deref(), Some("area, schlick"));
+    assert!(line.rgb.iter().any(|c| !c.is_black()));
+}
+
 /// A crop is that part of the whole picture, and knows where it lies.
 #[test]
 fn a_crop_is_a_part() {

@@ -34,7 +34,7 @@ fn check_all(scenes: Vec<(String, Scene)>, samples: [u32; 2], bound: impl Fn(&st
 
 /// What gathers light on the floor, or keeps it inside for long, is noisier.
 fn material_bound(name: &str) -> f64 {
-    let noisy = ["glass", "absorb", "sheet", "mixture", "bubble"];
+    let noisy = ["glass", "absorb", "sheet", "mixture", "bubble", "coated lamp"];
     if noisy.iter().any(|n| name.contains(n)) { 0.1 } else { 0.05 }
 }
 
@@ -74,6 +74,18 @@ fn rough_principled() {
 #[test]
 fn matt_principled() {
     materials(|name| name.ends_with("roughness 1"));
+}
+
+/// Guards coat and sheen: their lobes, what they leave to what is below them, and emission below them.
+#[test]
+fn layers() {
+    check_all(features::layers(), [512, 1500], material_bound);
+}
+
+/// Guards pictures as environments: their lookup, and that what is sampled has the density it says.
+#[test]
+fn panoramas() {
+    check_all(features::panoramas(), [1024, 8000], |name| if name.contains("sun") { 0.15 } else { 0.05 });
 }
 
 /// Guards every kind of light, its falloff, its front and its visibility.

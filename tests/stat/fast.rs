@@ -204,3 +204,60 @@ fn a_closed_box_of_mirrors_ends() {
     let radiance = li(&fast.prepared, Address::new(0, 0, 0, 0), ray, &mut counters);
     assert!(radiance.is_black() && counters.capped == 1 && counters.rays > 1000, "{counters:?}");
 }
+
+/// Guards what a turned picture means, for both integrators: of a picture that is red on its left and blue
+/// on its right, turned by a quarter counter-clockwise from above, the ray to the left (-X) sees the middle.
+#[test]
+fn a_turned_picture_is_seen_where_it_should_be() {
+    use crate::support::scenes::probe;
+    use epsilux::color::Rgb;
+    use epsilux::glam::DVec3;
+    use epsilux::integrate::naive::{Ray, Tracer};
+    use epsilux::scene::Texels;
+    use std::f64::consts::FRAC_PI_2;
+    let half = |i: u32| if i < 8 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] };
+    let mut scene = crate::support::features::under(
+        epsilux::scene::Scene::default(),
+        [16, 1],
+        Texels::Float((0..16).map(half).collect()),
+    );
+    let sky = scene.environment.as_mut().expect("a sky");
+    sky.radiance = Rgb::WHITE;
+    sky.image.as_mut().expect("a picture").rotation = FRAC_PI_2;
+    let fast = Fast::new(&scene, 0, None);
+    let tracer = Tracer::new(&scene);
+    let (red, blue) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+    for (direction, expected) in [
+        (DVec3::new(-1.0, 0.3, 1.0), red),
+        (DVec3::new(0.0, 0.3, 1.0), red),
+        (DVec3::new(-1.0, -0.9, -1.0), blue),
+        (DVec3::new(0.0, 0.0, -1.0), blue),
+        (DVec3::new(-1.0, 0.0, 0.0), [0.5, 0.0, 0.5]),
+        (DVec3::new(1.0, 0.0, 0.0), [0.5, 0.0, 0.5]),
+    ] {
+        let found = fast.radiance(&probe(DVec3::ZERO, direction), 0, 0, 0);
+        let slow = tracer.estimate(Ray::new(DVec3::ZERO, direction), None, 1, 0).mean;
+        for c in 0..3 {
+            assert!((f64::from(found[c]) - expected[c]).abs() < 1e-5, "{direction}: {found:?}");
+            assert!((slow[c] - expected[c]).abs() < 1e-5, "{direction}: {slow:?}");
+        }
+    }
+}
+
+/// Guards the limit case of a picture: one of a single colour lights like an environment of that colour, and
+/// what absorbs nothing is invisible under it.
+#[test]
+fn a_picture_of_one_colour_is_a_furnace() {
+    use epsilux::color::Rgb;
+    use epsilux::scene::Texels;
+    for name in ["furnace: diffuse", "furnace: glass", "furnace: rough coat over white, roughness 0.6"] {
+        let case = scenes::all().into_iter().find(|c| c.id == name).expect("a furnace");
+        let texels = Texels::Float(vec![[0.25; 3]; 8]);
+        let mut scene = crate::support::features::under(case.scene, [4, 2], texels);
+        scene.environment.as_mut().expect("a sky").radiance = Rgb::grey(4.0);
+        let case = Case { id: format!("{name}, under a picture"), scene, ..case };
+        if let Some(failure) = check(&case) {
+            panic!("{failure}");
+        }
+    }
+}

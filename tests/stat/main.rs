@@ -9,3 +9,5 @@ mod agree;
 mod bsdf;
 mod fast;
 mod naive;
+mod report;
+mod textured;

@@ -7,8 +7,9 @@
 use epsilux::color::Rgb;
 use epsilux::glam::{DAffine3, DMat3, DVec3, Vec3};
 use epsilux::scene::{
-    Absorption, AreaShape, Camera, Environment, FovAxis, Glass, Lens, LightKind, MaterialKind, Mesh, MeshId,
-    Principled, Projection, Scene, Shape, Sides, SpotFalloff,
+    Absorption, AreaShape, Camera, Environment, EnvironmentImage, FovAxis, Glass, Image, ImageId, Lens,
+    LightKind, MaterialKind, Mesh, MeshId, Pixels, Principled, Projection, Scene, Shape, Sides, SpotFalloff,
+    Texels,
 };
 
 use super::scenes::{Build, diffuse, emitter, facing, glass, principled};
@@ -176,6 +177,117 @@ pub(crate) fn materials() -> Vec<(String, Scene)> {
     list.into_iter().map(|(name, kind)| (name, ball(kind))).collect()
 }
 
+/// Coat and sheen, each on the ball of a stage.
+pub(crate) fn layers() -> Vec<(String, Scene)> {
+    let blue = Rgb::new(0.1, 0.3, 0.7);
+    let mut list = Vec::new();
+    let mut add = |name: &str, change: &dyn Fn(&mut Principled)| {
+        let kind = principled(|p| {
+            (p.roughness, p.base_color) = (0.5, blue);
+            change(p);
+        });
+        list.push((name.to_owned(), ball(kind)));
+    };
+    add("rough coat", &|p| (p.coat, p.coat_roughness) = (0.9, 0.4));
+    add("smooth coat over a rough base", &|p| (p.coat, p.coat_ior) = (1.0, 1.8));
+    add("rough coat over a smooth base", &|p| (p.coat, p.coat_roughness, p.roughness) = (0.7, 0.6, 0.0));
+    add("smooth coat over smooth metal", &|p| (p.coat, p.roughness, p.metallic) = (0.8, 0.0, 1.0));
+    add("rough coat over metal", &|p| (p.coat, p.coat_roughness, p.metallic) = (1.0, 0.3, 1.0));
+    add("coat over smooth glass", &|p| {
+        (p.coat, p.coat_roughness, p.roughness, p.transmission) = (0.5, 0.5, 0.0, 1.0);
+    });
+    add("coat over rough glass", &|p| (p.coat, p.coat_roughness, p.transmission) = (0.5, 0.7, 1.0));
+    add("coat over emission", &|p| {
+        (p.coat, p.coat_ior, p.coat_roughness) = (1.0, 2.2, 0.5);
+        p.emission = Rgb::new(2.0, 1.0, 0.5);
+    });
+    add("smooth coat and sheen over emission", &|p| {
+        (p.coat, p.coat_ior, p.sheen_color) = (1.0, 2.2, Rgb::new(0.9, 0.2, 0.1));
+        p.emission = Rgb::new(2.0, 1.0, 0.5);
+    });
+    add("coat of index one", &|p| (p.coat, p.coat_ior, p.coat_roughness) = (1.0, 1.0, 0.5));
+    for roughness in [0.0, 0.2, 0.5, 1.0] {
+        add(&format!("sheen of roughness {roughness}"), &|p| {
+            (p.sheen_color, p.sheen_roughness) = (Rgb::new(1.0, 0.8, 0.4), roughness);
+        });
+    }
+    add("sheen over nothing but diffuse", &|p| {
+        (p.sheen_color, p.sheen_roughness, p.specular) = (Rgb::new(0.3, 0.8, 0.4), 0.4, 0.0);
+    });
+    add("sheen over coat", &|p| {
+        (p.coat, p.coat_roughness, p.sheen_color) = (0.9, 0.2, Rgb::new(0.3, 0.8, 0.4));
+    });
+    // A flat lamp under a coat: what a light sample must dim, at all angles.
+    let mut lamp = dark_stage();
+    lamp.sphere(MIDDLE, 1.0, diffuse(0.7));
+    let coated = principled(|p| {
+        p.base_color = Rgb::grey(0.2);
+        (p.coat, p.coat_ior, p.coat_roughness) = (1.0, 2.5, 0.3);
+        p.emission = Rgb::new(4.0, 3.0, 2.0);
+    });
+    lamp.quad(DVec3::new(0.0, 4.0, 0.0), 5.0 * DVec3::X, 5.0 * DVec3::Z, coated);
+    list.push(("coated lamp".to_owned(), lamp));
+    list
+}
+
+/// A picture of all directions as the only light of a stage, turned.
+pub(crate) fn under(mut scene: Scene, size: [u32; 2], texels: Texels) -> Scene {
+    let image = ImageId(scene.images.len() as u32);
+    let pixels = Pixels { width: size[0], height: size[1], texels };
+    scene.images.push(Image {
+        name: "sky".into(),
+        file: None,
+        encoded: None,
+        pixels: Some(std::sync::Arc::new(pixels)),
+    });
+    scene.environment = Some(Environment {
+        name: "sky".into(),
+        radiance: Rgb::new(0.8, 1.0, 1.2),
+        image: Some(EnvironmentImage { image, rotation: 2.0 }),
+        visible_to_camera: true,
+    });
+    scene
+}
+
+/// Pictures as environments.
+pub(crate) fn panoramas() -> Vec<(String, Scene)> {
+    let lit = |kind: MaterialKind| {
+        let mut scene = dark_stage();
+        scene.sphere(MIDDLE, 1.0, kind);
+        scene
+    };
+    let sun = |x: u32, y: u32| if (x, y) == (3, 2) { [200.0, 180.0, 100.0] } else { [0.2, 0.15, 0.1] };
+    let gradient = |x: u32, y: u32| [0.1 * x as f32, 0.2 * (8 - y) as f32, 0.5 + 0.03 * (x * y) as f32];
+    let float =
+        |f: &dyn Fn(u32, u32) -> [f32; 3]| Texels::Float((0..128).map(|i| f(i % 16, i / 16)).collect());
+    let matt = || principled(|p| p.roughness = 0.4);
+    let bytes = (0..6u8).map(|i| [200 - 40 * i, 30 * i, 120, 255]).collect();
+    let shorts = (0..3u16).map(|i| [60_000 - 20_000 * i, 30_000 * i, 12_000, 65_535]).collect();
+    let rough_glass = || principled(|p| (p.roughness, p.transmission) = (0.4, 1.0));
+    let coat = principled(|p| (p.coat, p.sheen_color) = (1.0, Rgb::new(0.3, 0.8, 0.4)));
+    let mut hidden = under(lit(diffuse(0.6)), [16, 8], float(&gradient));
+    if let Some(sky) = &mut hidden.environment {
+        sky.visible_to_camera = false;
+    }
+    let mut lamps = under(lit(matt()), [16, 8], float(&sun));
+    lamps.sphere(DVec3::new(3.5, 5.5, 3.0), 3.0, emitter(2.0));
+    [
+        ("picture with a sun", under(lit(matt()), [16, 8], float(&sun))),
+        ("picture with a sun, diffuse", under(lit(diffuse(0.7)), [16, 8], float(&sun))),
+        ("picture with a sun, glass of roughness", under(lit(rough_glass()), [16, 8], float(&sun))),
+        ("picture with a sun and a lamp", lamps),
+        ("picture of a gradient", under(lit(matt()), [16, 8], float(&gradient))),
+        ("picture of a gradient, glass of roughness", under(lit(rough_glass()), [16, 8], float(&gradient))),
+        ("picture of a gradient, coat and sheen", under(lit(coat), [16, 8], float(&gradient))),
+        ("picture of a gradient, mirror", under(lit(super::scenes::mirror(0.9)), [16, 8], float(&gradient))),
+        ("hidden picture", hidden),
+        ("picture of three by two bytes", under(lit(matt()), [3, 2], Texels::Byte(bytes))),
+        ("picture of one by three shorts", under(lit(matt()), [1, 3], Texels::Short(shorts))),
+    ]
+    .map(|(name, scene)| (name.to_owned(), scene))
+    .to_vec()
+}
+
 /// Lights of every kind, each on a stage without other light.
 pub(crate) fn lights() -> Vec<(String, Scene)> {
     let above = DVec3::new(2.0, 4.0, 1.0);
@@ -293,7 +405,15 @@ fn emissive_surfaces() -> Vec<(&'static str, Scene)> {
     if let Some(lamp) = mirrored.objects.last_mut() {
         lamp.transform = placed(DVec3::new(1.0, -1.0, 1.0), 0.4, DVec3::new(0.5, 4.0, 0.0));
     }
+    // A sheet that glows and reflects what the lamp sends.
+    let mut sheet = stage();
+    let glowing_sheet = principled(|p| {
+        p.roughness = 0.5;
+        p.emission = Rgb::new(0.6, 0.4, 0.8);
+    });
+    sheet.quad(DVec3::new(0.2, 1.3, 0.0), 2.0 * DVec3::X, DVec3::new(0.0, 2.0, 0.3), glowing_sheet);
     vec![
+        ("a sheet that glows and reflects", sheet),
         ("triangles that shine on both sides", triangles),
         ("inside of a sphere that glows and reflects", inside),
         ("a ball that glows and reflects", glowing),

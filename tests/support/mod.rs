@@ -10,3 +10,4 @@ pub(crate) mod features;
 pub(crate) mod scaling;
 pub(crate) mod scenes;
 pub(crate) mod seed;
+pub(crate) mod textured;

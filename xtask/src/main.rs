@@ -1,6 +1,8 @@
 //! Repository chores: `cargo xtask --help` lists them; each is a subcommand in a file of its own.
 
 mod blender;
+mod gltf;
+mod report_plot;
 mod tidy;
 
 use std::io::Write as _;
@@ -19,12 +21,16 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Chore {
     Blender(blender::Arguments),
+    GltfValidate(gltf::Arguments),
+    ReportPlot(report_plot::Arguments),
     Tidy(tidy::Arguments),
 }
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().chore {
         Chore::Blender(arguments) => blender::run(&arguments),
+        Chore::GltfValidate(arguments) => gltf::run(&arguments),
+        Chore::ReportPlot(arguments) => report_plot::run(&arguments),
         Chore::Tidy(arguments) => tidy::run(&arguments),
     };
     match done {

@@ -11,7 +11,7 @@ use gltf::json;
 use json::accessor::{ComponentType, Type};
 use json::validation::Checked;
 
-use super::super::budget::Budget;
+use super::super::budget::{Budget, filled};
 use super::super::error::Fault;
 use super::super::file;
 use super::document::Document;
@@ -86,7 +86,7 @@ impl<'a> Reader<'a> {
         let (component, width) = layout(accessor, &place)?;
         self.base(accessor, component, width, &place)?;
         self.budget.charge_bytes(accessor.count.0, size_of::<[f32; N]>() as u64, &place)?;
-        let mut out = vec![[fill; N]; accessor.count.0 as usize];
+        let mut out = filled(accessor.count.0 as usize, [fill; N], &place)?;
         let normalized = accessor.normalized;
         let mut write = |to: usize, bytes: &[u8]| {
             for (slot, bytes) in out[to].iter_mut().zip(bytes.chunks_exact(component.size())) {
@@ -121,10 +121,10 @@ impl<'a> Reader<'a> {
         }
         self.base(accessor, component, width, &place)?;
         self.budget.charge_bytes(accessor.count.0, 4, &place)?;
-        let mut out = match self.base(accessor, component, width, &place)? {
-            Some(elements) => (0..elements.count).map(|i| integer(elements.get(i))).collect(),
-            None => vec![0; accessor.count.0 as usize],
-        };
+        let mut out = filled(accessor.count.0 as usize, 0, &place)?;
+        if let Some(elements) = self.base(accessor, component, width, &place)? {
+            out.iter_mut().enumerate().for_each(|(i, out)| *out = integer(elements.get(i)));
+        }
         if let Some((indices, values)) = self.sparse(accessor, component, width, &place)? {
             for (i, &to) in indices.iter().enumerate() {
                 out[to as usize] = integer(values.get(i));
@@ -182,6 +182,24 @@ impl<'a> Reader<'a> {
         Ok(Some((indices, values)))
     }
 
+    /// The bytes of view `index`, which `place` names.
+    pub(super) fn view(&self, index: usize, place: &str) -> Result<&[u8], Fault> {
+        let v = get(&self.doc.views, index, place)?;
+        let place = format!("bufferViews[{index}]");
+        let buffer_index = v.buffer.value();
+        let Some(buffer) = get(&self.buffers, buffer_index, &format!("{place}.buffer"))? else {
+            let place = format!("buffers[{buffer_index}]");
+            return Err(Fault::invalid(place, "neither a uri nor a binary chunk", "data"));
+        };
+        let start = v.byte_offset.map_or(0, |o| o.0);
+        let there = buffer.len() as u64;
+        let Some(end) = start.checked_add(v.byte_length.0).filter(|&end| end <= there) else {
+            let found = format!("{} bytes from byte {start}", v.byte_length.0);
+            return Err(Fault::invalid(place, found, format!("at most the buffer's {there}")));
+        };
+        Ok(&buffer[start as usize..end as usize])
+    }
+
     /// `count` elements that begin `offset` bytes into view `view`, once all of them are known to be there.
     fn elements(
         &self,
@@ -192,23 +210,11 @@ impl<'a> Reader<'a> {
         width: usize,
         place: &str,
     ) -> Result<Elements<'_>, Fault> {
-        let v = get(&self.doc.views, view, &format!("{place}.bufferView"))?;
         let view_place = format!("bufferViews[{view}]");
-        let buffer_index = v.buffer.value();
-        let buffer = get(&self.buffers, buffer_index, &format!("{view_place}.buffer"))?;
-        let Some(buffer) = buffer else {
-            let place = format!("buffers[{buffer_index}]");
-            return Err(Fault::invalid(place, "neither a uri nor a binary chunk", "data"));
-        };
-        let start = v.byte_offset.map_or(0, |o| o.0);
-        let there = buffer.len() as u64;
-        let Some(end) = start.checked_add(v.byte_length.0).filter(|&end| end <= there) else {
-            let found = format!("{} bytes from byte {start}", v.byte_length.0);
-            let expected = format!("at most the buffer's {there}");
-            return Err(Fault::invalid(view_place, found, expected));
-        };
+        let bytes = self.view(view, &format!("{place}.bufferView"))?;
+        let there = bytes.len() as u64;
         let size = (component.size() * width) as u64;
-        let stride = v.byte_stride.map_or(size, |s| s.0 as u64);
+        let stride = self.doc.views[view].byte_stride.map_or(size, |s| s.0 as u64);
         if stride < size {
             let expected = format!("at least {size}, the size of an element of {place}");
             return Err(Fault::invalid(format!("{view_place}.byteStride"), stride.to_string(), expected));
@@ -217,13 +223,12 @@ impl<'a> Reader<'a> {
             None => Some(0),
             Some(last) => last.checked_mul(stride).and_then(|n| n.checked_add(size)?.checked_add(offset)),
         };
-        let Some(needed) = needed.filter(|&needed| needed <= end - start) else {
+        let Some(needed) = needed.filter(|&needed| needed <= there) else {
             let found = format!("{count} elements of {size} bytes, {stride} apart, from byte {offset}");
-            let expected = format!("elements within the {} bytes of {view_place}", end - start);
+            let expected = format!("elements within the {there} bytes of {view_place}");
             return Err(Fault::invalid(place, found, expected));
         };
-        let from = if needed == 0 { start } else { start + offset };
-        let bytes = &buffer[from as usize..end as usize];
+        let bytes = &bytes[if needed == 0 { 0 } else { offset as usize }..];
         Ok(Elements { bytes, stride: stride as usize, count: count as usize, component, width })
     }
 }
@@ -243,7 +248,7 @@ fn load(uri: &str, place: &str, folder: &Path, budget: &mut Budget) -> Result<Ve
         // No longer than its text, which was charged with the file.
         return bytes;
     }
-    file::read_regular(&file::resolve(folder, uri, &place)?, budget)
+    file::read_named(&file::resolve(folder, uri, &place)?, &place, budget)
 }
 
 /// Element `index` of `list`, or a fault at `place`.

@@ -1,7 +1,7 @@
 //! The JSON of a glTF file as the `gltf` crate's document types, read element by element.
 //!
 //! Each element is deserialised alone: an error names its place, and parts that we never read
-//! (animations, images, textures, skins) cannot make a valid file fail.
+//! (animations, skins) cannot make a valid file fail.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::super::error::Fault;
+use super::vendor;
 
 /// The parts of a glTF document that we read.
 pub(super) struct Document {
@@ -20,6 +21,9 @@ pub(super) struct Document {
     pub(super) cameras: Vec<json::Camera>,
     pub(super) lights: Vec<Light>,
     pub(super) materials: Vec<json::Material>,
+    pub(super) textures: Vec<json::Texture>,
+    pub(super) samplers: Vec<json::texture::Sampler>,
+    pub(super) images: Vec<json::Image>,
     /// Materials that have neither `pbrMetallicRoughness` nor anything else that shades.
     pub(super) bare_materials: HashSet<usize>,
     pub(super) meshes: Vec<json::Mesh>,
@@ -34,6 +38,8 @@ pub(super) struct Document {
     pub(super) scenes: usize,
     pub(super) generator: String,
     pub(super) extensions: Extensions,
+    /// What our own extension says about the whole.
+    pub(super) vendor: vendor::Root,
 }
 
 /// Which extensions the file names, and where they stand.
@@ -48,6 +54,11 @@ impl Document {
     /// True for files of Blender's own exporter, whose habits differ from the specification.
     pub(super) fn is_from_blender(&self) -> bool {
         self.generator.starts_with("Khronos glTF Blender I/O")
+    }
+
+    /// True for files of this program, whose lights are in W/sr and W/m^2.
+    pub(super) fn is_own(&self) -> bool {
+        self.generator.starts_with("epsilux ")
     }
 }
 
@@ -74,6 +85,8 @@ pub(super) fn parse(text: &[u8]) -> Result<Document, Fault> {
     }
     let extensions = Extensions { required: elements(&mut root, "extensionsRequired", "")?, found };
 
+    let vendor = vendor::Root::of(&root)?;
+
     let is_bare = |v: &Value| {
         let plain = ["name", "doubleSided", "alphaMode", "extras"];
         v.as_object().is_some_and(|m| m.keys().all(|k| plain.contains(&&**k)))
@@ -98,6 +111,9 @@ pub(super) fn parse(text: &[u8]) -> Result<Document, Fault> {
         cameras: elements(&mut root, "cameras", "")?,
         lights,
         materials: elements(&mut root, "materials", "")?,
+        textures: elements(&mut root, "textures", "")?,
+        samplers: elements(&mut root, "samplers", "")?,
+        images: elements(&mut root, "images", "")?,
         bare_materials,
         meshes: elements(&mut root, "meshes", "")?,
         nodes: elements(&mut root, "nodes", "")?,
@@ -108,6 +124,7 @@ pub(super) fn parse(text: &[u8]) -> Result<Document, Fault> {
         scenes,
         generator,
         extensions,
+        vendor,
     })
 }
 

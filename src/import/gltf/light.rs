@@ -94,6 +94,11 @@ impl Lights {
         Ok(Light { name, kind, transform, visible_to_camera: false })
     }
 
+    /// What luminances are multiplied with to become radiances.
+    pub(super) fn nits(&self) -> f64 {
+        if self.units == LightUnits::BlenderSpec { 1.0 / 683.0 } else { 1.0 }
+    }
+
     fn note_units(&self, notes: &mut Notes) {
         let place = "extensions.KHR_lights_punctual";
         if self.auto {

@@ -6,7 +6,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use gltf::json;
 use json::accessor::Type;
-use json::mesh::{Mode, Primitive, Semantic};
+use json::mesh::{Mode, MorphTarget, Primitive, Semantic};
 use json::validation::Checked;
 
 use super::super::error::Fault;
@@ -26,10 +26,11 @@ pub(super) struct Meshes {
 }
 
 impl Meshes {
-    /// The mesh of `primitive`; `None` where it shows no triangles.
+    /// The mesh of `primitive`, its targets morphed by `weights`; `None` where it shows no triangles.
     pub(super) fn get(
         &mut self,
         primitive: &Primitive,
+        weights: &[f32],
         name: &str,
         place: &str,
         reader: &mut Reader<'_>,
@@ -39,7 +40,7 @@ impl Meshes {
             return Err(Fault::invalid(format!("{place}.mode"), "an unknown value", "0 to 6"));
         };
         let attribute = |s| primitive.attributes.get(&Checked::Valid(s)).map(|i| i.value());
-        let key = vec![
+        let mut key = vec![
             Some(mode as usize),
             primitive.indices.map(|i| i.value()),
             attribute(Semantic::Positions),
@@ -49,14 +50,17 @@ impl Meshes {
             attribute(Semantic::TexCoords(1)),
             attribute(Semantic::Colors(0)),
         ];
+        let targets = primitive.targets.iter().flatten();
+        let morphs: Vec<_> = targets.zip(weights.iter().copied()).filter(|(_, w)| *w != 0.0).collect();
+        for (target, weight) in &morphs {
+            let index = |i: Option<json::Index<json::Accessor>>| i.map(|i| i.value());
+            key.push(Some(weight.to_bits() as usize));
+            key.extend([index(target.positions), index(target.normals), index(target.tangents)]);
+        }
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
-        if primitive.targets.as_ref().is_some_and(|t| !t.is_empty()) {
-            let message = "morph targets are not applied: base shape";
-            notes.add("morph-ignored", NoteEffect::Differs, format!("{place}.targets"), message);
-        }
-        let converted = convert(primitive, mode, &key, place, reader, notes)?;
+        let converted = convert(primitive, mode, &key, &morphs, place, reader, notes)?;
         let id = converted.map(|mesh| self.insert(Mesh { name: name.into(), ..mesh }));
         self.known.insert(key, id);
         Ok(id)
@@ -93,6 +97,7 @@ fn convert(
     primitive: &Primitive,
     mode: Mode,
     key: &[Option<usize>],
+    morphs: &[(&MorphTarget, f32)],
     place: &str,
     reader: &mut Reader<'_>,
     notes: &mut Notes,
@@ -114,11 +119,10 @@ fn convert(
 
     // Positions, and triangles over them.
     let vertices = reader.count(positions, &format!("{attributes}.POSITION"))?;
-    let positions: Vec<Vec3> = reader
-        .floats::<3>(positions, &[Type::Vec3], 0.0, &format!("{attributes}.POSITION"))?
-        .into_iter()
-        .map(Vec3::from)
-        .collect();
+    let mut positions =
+        reader.floats::<3>(positions, &[Type::Vec3], 0.0, &format!("{attributes}.POSITION"))?;
+    morph(&mut positions, morphs, |t| t.positions, &format!("{place}.targets"), reader)?;
+    let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from).collect();
     if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
         let found = format!("{} as element {i}", positions[i]);
         return Err(Fault::invalid(format!("{attributes}.POSITION"), found, "finite numbers"));
@@ -161,7 +165,8 @@ fn convert(
         }
     };
     if let Some((index, place)) = optional(3, "NORMAL", reader)? {
-        let raw = reader.floats::<3>(index, &[Type::Vec3], 0.0, &place)?;
+        let mut raw = reader.floats::<3>(index, &[Type::Vec3], 0.0, &place)?;
+        morph(&mut raw, morphs, |t| t.normals, &place, reader)?;
         let broken = normals(&mut mesh, &raw);
         if broken > 0 {
             let message = format!("{broken} normals are zero or not finite: taken from the faces");
@@ -169,7 +174,8 @@ fn convert(
         }
     }
     if let Some((index, place)) = optional(4, "TANGENT", reader)? {
-        let raw = reader.floats::<4>(index, &[Type::Vec4], 1.0, &place)?;
+        let mut raw = reader.floats::<4>(index, &[Type::Vec4], 1.0, &place)?;
+        morph(&mut raw, morphs, |t| t.tangents, &place, reader)?;
         let unit = |&[x, y, z, w]: &[f32; 4]| {
             Some(unit(Vec3::new(x, y, z))?.extend(if w < 0.0 { -1.0 } else { 1.0 }))
         };
@@ -197,12 +203,38 @@ fn convert(
             dropped(notes, "vertex colours", place);
         } else if colors.iter().any(|c| *c != Vec4::ONE) {
             // Unused colour layers come out as plain white, which changes nothing.
-            let message = "vertex colours are not rendered yet";
-            notes.add("vertex-colors-ignored", NoteEffect::Missing, place, message);
-            mesh.colors = colors.into_iter().map(|c| c.clamp(Vec4::ZERO, Vec4::ONE)).collect();
+            let clamped: Vec<_> = colors.iter().map(|c| c.clamp(Vec4::ZERO, Vec4::ONE)).collect();
+            if clamped != colors {
+                let message = "vertex colours are taken as from 0 to 1";
+                notes.add("value-clamped", NoteEffect::Differs, place, message);
+            }
+            mesh.colors = clamped;
         }
     }
     Ok(Some(mesh))
+}
+
+/// Adds the displacements of morph targets, each times its weight.
+fn morph<const N: usize>(
+    values: &mut [[f32; N]],
+    morphs: &[(&MorphTarget, f32)],
+    which: impl Fn(&MorphTarget) -> Option<json::Index<json::Accessor>>,
+    place: &str,
+    reader: &mut Reader<'_>,
+) -> Result<(), Fault> {
+    for (target, weight) in morphs {
+        let Some(index) = which(target).map(|i| i.value()) else { continue };
+        let count = reader.count(index, place)?;
+        if count != values.len() as u64 {
+            let expected = format!("{}, as of the base shape", values.len());
+            return Err(Fault::invalid(format!("accessors[{index}]"), format!("{count} elements"), expected));
+        }
+        let shifts = reader.floats::<3>(index, &[Type::Vec3], 0.0, place)?;
+        for (value, shift) in values.iter_mut().zip(shifts) {
+            value.iter_mut().zip(shift).for_each(|(v, s)| *v += weight * s);
+        }
+    }
+    Ok(())
 }
 
 /// Notes an attribute that holds numbers which are not finite.
@@ -213,6 +245,10 @@ fn dropped(notes: &mut Notes, what: &str, place: String) {
 
 /// `v` at unit length, or nothing where it has no direction.
 fn unit(v: Vec3) -> Option<Vec3> {
+    // What is unit already stays, so that writing and reading it again changes no digit.
+    if (v.length_squared() - 1.0).abs() <= 4.0 * f32::EPSILON {
+        return Some(v);
+    }
     v.as_dvec3().try_normalize().map(|n| n.as_vec3())
 }
 

@@ -9,12 +9,15 @@ mod accessor;
 mod document;
 mod extension;
 mod glb;
+mod instancing;
 mod light;
 mod material;
 mod mesh;
 mod node;
 mod sphere;
+mod texture;
 mod triangles;
+mod vendor;
 
 use std::path::Path;
 
@@ -66,7 +69,7 @@ fn read(
         notes.add("animation-ignored", NoteEffect::Differs, "animations", message);
     }
     let reader = accessor::Reader::new(&doc, bin, folder, budget)?;
-    let scene = node::build(&doc, reader, options, &mut notes)?;
+    let scene = node::build(&doc, reader, folder, options, &mut notes)?;
     Ok((scene, notes.finish()))
 }
 

@@ -3,62 +3,113 @@
 //! The graph is checked to be a forest first, and then walked with a stack of our own: chains of any
 //! length are fine. Transforms are multiplied in 64 bits.
 
+use std::collections::HashSet;
+use std::path::Path;
+
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json;
 use json::validation::Checked;
 
-use super::super::ReadOptions;
+use super::super::budget::Budget;
 use super::super::error::Fault;
 use super::super::names::Names;
 use super::super::notes::Notes;
+use super::super::{LightUnits, ReadOptions};
 use super::accessor::{Reader, get};
 use super::document::Document;
 use super::light::Lights;
 use super::mesh::Meshes;
-use super::{material, sphere};
-use crate::scene::{Camera, FovAxis, Material, MaterialId, NoteEffect, Object, Projection, Scene, Shape};
+use super::texture::Textures;
+use super::{instancing, material, sphere, vendor};
+use crate::scene::{
+    Camera, FovAxis, Light, Material, MaterialId, MaterialKind, MeshId, NoteEffect, Object, Projection,
+    Scene, Shape,
+};
 
 /// Builds the scene that `doc` describes.
 pub(super) fn build(
     doc: &Document,
-    reader: Reader<'_>,
+    mut reader: Reader<'_>,
+    folder: &Path,
     options: &ReadOptions,
     notes: &mut Notes,
 ) -> Result<Scene, Fault> {
     check_forest(doc)?;
+    charge_nodes(doc, reader.budget)?;
     let mut names = Names::default();
-    let materials = (0..doc.materials.len())
+    let mut textures = Textures::new(doc, folder);
+    let materials: Result<Vec<_>, Fault> = (0..doc.materials.len())
         .map(|i| {
             let name = doc.materials[i].name.as_deref().filter(|n| !n.is_empty());
             let name = names.unique(&name.map_or_else(|| format!("material {i}"), Into::into));
-            Material { name, kind: material::convert(doc, i, notes) }
+            let kind = material::convert(doc, i, &mut textures, &mut reader, notes)?;
+            let kind = vendor::material(&doc.materials[i], kind, &format!("materials[{i}]"), notes);
+            Ok(Material { name, kind })
         })
         .collect();
+    let own = doc.is_own() && options.light_units == LightUnits::Auto;
+    let units = if own { LightUnits::Unitless } else { options.light_units };
     let mut builder = Builder {
         doc,
         reader,
         notes,
-        lights: Lights::new(options.light_units, doc.is_from_blender()),
+        lights: Lights::new(units, doc.is_from_blender()),
         meshes: Meshes::default(),
         default_material: None,
         material_names: names,
         camera_names: Names::default(),
-        scene: Scene { title: doc.title.clone(), materials, ..Scene::default() },
+        unlike: HashSet::new(),
+        scene: Scene { title: doc.title.clone(), materials: materials?, ..Scene::default() },
     };
     let mut stack: Vec<(usize, DAffine3)> =
         doc.roots.iter().rev().map(|&r| (r, DAffine3::IDENTITY)).collect();
     while let Some((index, parent)) = stack.pop() {
         let node = &doc.nodes[index];
         let place = format!("nodes[{index}]");
-        let world = parent * local_transform(node, &place)?;
+        let ours = vendor::Node::read(node, &place, &doc.vendor, builder.notes);
+        let local = match ours.matrix(builder.notes) {
+            Some(exact) => exact,
+            None => local_transform(node, &place)?,
+        };
+        let world = parent * local;
         if !world.is_finite() {
             return Err(Fault::invalid(place, "a transform that is not finite", "finite numbers"));
         }
-        builder.node(index, node, world, &place)?;
+        builder.node(index, node, &ours, world, &place)?;
         stack.extend(node.children.iter().flatten().rev().map(|c| (c.value(), world)));
     }
-    let meshes = builder.meshes.list;
-    Ok(Scene { meshes, ..builder.scene })
+    let Builder { mut reader, meshes, scene, notes, .. } = builder;
+    let mut scene = Scene { meshes: meshes.list, ..scene };
+    vendor::scene(&doc.vendor, &mut scene, &mut textures, &mut reader, notes)?;
+    Ok(Scene { images: textures.finish(), ..scene })
+}
+
+/// Charges for what stands at the nodes, before any of it is made: nodes times primitives, or nodes that
+/// share a long name, can be far more than the file is long.
+fn charge_nodes(doc: &Document, budget: &mut Budget) -> Result<(), Fault> {
+    for (i, node) in doc.nodes.iter().enumerate() {
+        let place = format!("nodes[{i}]");
+        if let Some(mesh) = node.mesh.and_then(|m| doc.meshes.get(m.value())) {
+            budget.charge_bytes(mesh.primitives.len() as u64, object_bytes(node, mesh), &place)?;
+        }
+        let name = |shared: Option<&String>| node.name.as_ref().or(shared).map_or(0, |n| n.len() as u64);
+        if let Some(camera) = node.camera.and_then(|c| doc.cameras.get(c.value())) {
+            // The list of names that are taken holds two more.
+            let camera = size_of::<Camera>() as u64 + 3 * name(camera.name.as_ref());
+            budget.charge_bytes(1, camera, &place)?;
+        }
+        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        if let Some(light) = light.and_then(|l| doc.lights.get(l.light.value())) {
+            budget.charge_bytes(1, size_of::<Light>() as u64 + name(light.name.as_ref()), &place)?;
+        }
+    }
+    Ok(())
+}
+
+/// What an object of `mesh` at `node` takes, with its name.
+fn object_bytes(node: &json::Node, mesh: &json::Mesh) -> u64 {
+    let name = node.name.as_ref().or(mesh.name.as_ref()).map_or(16, String::len);
+    (size_of::<Object>() + name) as u64
 }
 
 /// Every node has at most one parent, the scene's roots have none, and nothing goes round in circles.
@@ -141,12 +192,21 @@ struct Builder<'d> {
     default_material: Option<MaterialId>,
     material_names: Names,
     camera_names: Names,
+    /// Meshes and materials that have been held against each other.
+    unlike: HashSet<(MeshId, MaterialId)>,
     scene: Scene,
 }
 
 impl Builder<'_> {
     /// Adds what stands at one node.
-    fn node(&mut self, index: usize, node: &json::Node, world: DAffine3, place: &str) -> Result<(), Fault> {
+    fn node(
+        &mut self,
+        index: usize,
+        node: &json::Node,
+        ours: &vendor::Node,
+        world: DAffine3,
+        place: &str,
+    ) -> Result<(), Fault> {
         let name = node.name.as_deref().filter(|n| !n.is_empty());
         if node.skin.is_some() {
             let message = "skins are not applied: the mesh is shown as modelled";
@@ -158,18 +218,40 @@ impl Builder<'_> {
             let name = name.or(source.name.as_deref()).unwrap_or("camera");
             self.camera(source, name, world, &format!("cameras[{}]", camera.value()));
         }
-        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
-        if let Some(light) = light {
+        let reference = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        let mut punctual = None;
+        let mut light_name = name.unwrap_or("light").to_owned();
+        if let Some(light) = reference {
             let i = light.light.value();
             let source = get(&self.doc.lights, i, &format!("{place}.extensions.KHR_lights_punctual.light"))?;
-            let name = name.or(source.name.as_deref()).unwrap_or("light").to_owned();
+            light_name = name.or(source.name.as_deref()).unwrap_or("light").to_owned();
             let light_place = format!("extensions.KHR_lights_punctual.lights[{i}]");
-            let light = self.lights.convert(source, name, world, &light_place, self.notes)?;
-            self.scene.lights.push(light);
+            if !ours.has_whole_light() {
+                let name = light_name.clone();
+                punctual = Some(self.lights.convert(source, name, world, &light_place, self.notes)?);
+            }
         }
+        let light = ours.light(punctual, &light_name, world, self.lights.nits(), self.notes);
+        let is_light = reference.is_some() || light.is_some();
+        self.scene.lights.extend(light);
         if let Some(mesh) = node.mesh {
-            self.mesh(mesh.value(), node, name, world, place)?;
-        } else if node.camera.is_none() && light.is_none() {
+            let first = self.scene.objects.len();
+            match instancing::read(node, place, &mut self.reader)? {
+                None => self.mesh(mesh.value(), node, ours, name, world, place)?,
+                Some(list) => {
+                    let source = get(&self.doc.meshes, mesh.value(), &format!("{place}.mesh"))?;
+                    let count = (list.len() as u64).saturating_mul(source.primitives.len() as u64);
+                    self.reader.budget.charge_bytes(count, object_bytes(node, source), place)?;
+                    for own in list {
+                        self.mesh(mesh.value(), node, ours, name, world * own, place)?;
+                    }
+                }
+            }
+            if let Some(visible) = ours.visible_to_camera() {
+                self.scene.objects[first..].iter_mut().for_each(|o| o.visible_to_camera = visible);
+            }
+        } else if node.camera.is_none() && !is_light {
+            ours.sphere(false, self.notes);
             self.empty(index, node, place);
         }
         Ok(())
@@ -189,6 +271,7 @@ impl Builder<'_> {
         &mut self,
         index: usize,
         node: &json::Node,
+        ours: &vendor::Node,
         name: Option<&str>,
         world: DAffine3,
         place: &str,
@@ -197,12 +280,15 @@ impl Builder<'_> {
         let mesh_name = mesh.name.as_deref().filter(|n| !n.is_empty());
         let mesh_name = mesh_name.map_or_else(|| format!("mesh {index}"), Into::into);
         let name = name.unwrap_or(&mesh_name).to_owned();
+        if !world.is_finite() {
+            return Err(Fault::invalid(place, "a transform that is not finite", "finite numbers"));
+        }
         if world.matrix3.determinant() == 0.0 {
             let message = "an object that its transform flattens is left out";
             self.notes.add("object-flattened", NoteEffect::Missing, place, message);
             return Ok(());
         }
-        if let Some(radius) = sphere::radius(node, place, self.notes) {
+        if let Some(radius) = ours.sphere(true, self.notes) {
             if let Some(transform) = sphere::placement(world) {
                 let material = mesh.primitives.first().and_then(|p| p.material);
                 let material =
@@ -214,17 +300,33 @@ impl Builder<'_> {
                 "a sphere under a transform that is no rotation and uniform scale: the mesh is kept";
             self.notes.add("sphere-ignored", NoteEffect::Differs, place, message);
         }
+        let weights = node.weights.as_ref().or(mesh.weights.as_ref()).map_or(&[][..], |w| w);
         for (k, primitive) in mesh.primitives.iter().enumerate() {
             let at = format!("meshes[{index}].primitives[{k}]");
             let part =
                 if mesh.primitives.len() > 1 { format!("{mesh_name}[{k}]") } else { mesh_name.clone() };
-            let id = self.meshes.get(primitive, &part, &at, &mut self.reader, self.notes)?;
+            let id = self.meshes.get(primitive, weights, &part, &at, &mut self.reader, self.notes)?;
             if let Some(id) = id {
                 let material = self.material(primitive.material.map(|m| m.value()), &at)?;
+                self.compare(id, material, &at);
                 self.object(name.clone(), Shape::Mesh(id), material, world);
             }
         }
         Ok(())
+    }
+
+    /// Notes what a material asks of its mesh in vain; `place` is that of the primitive.
+    fn compare(&mut self, mesh: MeshId, material: MaterialId, place: &str) {
+        let MaterialKind::Principled(p) = &self.scene.materials[material.0 as usize].kind else { return };
+        if !self.unlike.insert((mesh, material)) {
+            return;
+        }
+        let mesh = &self.meshes.list[mesh.0 as usize];
+        if !mesh.colors.is_empty() && p.base_color.is_black() && !p.emission.is_black() {
+            let message = "vertex colours do not tint what a surface emits";
+            let place = format!("{place}.attributes.COLOR_0");
+            self.notes.add("vertex-colors-ignored", NoteEffect::Differs, place, message);
+        }
     }
 
     fn object(&mut self, name: String, shape: Shape, material: MaterialId, transform: DAffine3) {
@@ -276,6 +378,8 @@ impl Builder<'_> {
         };
         let name = self.camera_names.unique(name);
         let aspect = aspect.filter(|a| a.is_finite() && *a > 0.0);
-        self.scene.cameras.push(Camera { name, transform, projection, shift: [0.0; 2], lens: None, aspect });
+        let mut camera = Camera { name, transform, projection, shift: [0.0; 2], lens: None, aspect };
+        vendor::camera(source, place, &mut camera, self.notes);
+        self.scene.cameras.push(camera);
     }
 }

@@ -4,6 +4,8 @@ mod build;
 mod cameras_lights;
 mod geometry;
 mod hostile;
+mod instances;
 mod materials;
 mod nodes;
 mod still_life;
+mod textures;

@@ -5,14 +5,16 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::DVec3;
 
 use super::fresnel;
+use super::layers::charlie;
 use super::material::{reflect, refract};
 use super::microfacet::{Ggx, half_vector};
 use super::quadrature::gauss;
+use crate::scene::{Principled, Textures};
 
 /// Largest difference between a curve and its quadrature halfway between two of its points.
 const TOLERANCE: f64 = 2e-5;
@@ -24,7 +26,12 @@ const NODES: usize = 64;
 #[derive(Debug)]
 pub(super) struct Curve {
     points: Vec<[f64; 2]>,
+    average: f64,
 }
+
+/// Curves of neighbouring parameters, with their weights.
+#[derive(Clone, Debug)]
+pub(super) struct Mix(Vec<(f64, Arc<Curve>)>);
 
 /// What an albedo counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +43,13 @@ pub(super) enum Lobe {
         /// n_inside / n_outside.
         eta: f64,
     },
+    /// Reflection with the Fresnel factor of `eta`.
+    Coat {
+        /// n_inside / n_outside.
+        eta: f64,
+    },
+    /// The white sheen before it is scaled.
+    Sheen,
     /// Reflection and transmission together, without tint and without 1/eta^2.
     Dielectric {
         /// n_transmitted / n_incident.
@@ -48,17 +62,46 @@ pub(super) enum Lobe {
 pub(super) struct Curves(BTreeMap<(u8, u64, u64), Arc<Curve>>);
 
 impl Curves {
+    /// The curve of `lobe` at width `alpha`, alone.
+    pub(super) fn mix(&mut self, lobe: Lobe, alpha: f64) -> Mix {
+        Mix(vec![(1.0, self.get(lobe, alpha))])
+    }
+
     /// The curve of `lobe` at width `alpha`.
-    pub(super) fn get(&mut self, lobe: Lobe, alpha: f64) -> Arc<Curve> {
+    fn get(&mut self, lobe: Lobe, alpha: f64) -> Arc<Curve> {
         let (kind, eta) = match lobe {
             Lobe::Reflection => (0, 1.0),
             Lobe::Layer { eta } => (1, eta),
             Lobe::Dielectric { eta } => (2, eta),
+            Lobe::Coat { eta } => (3, eta),
+            Lobe::Sheen => return self.of_value(alpha, |wo, wi| charlie(alpha, wo, wi)),
         };
         let key = (kind, alpha.to_bits(), eta.to_bits());
         let curve = self.0.entry(key).or_insert_with(|| {
             let rule = gauss(NODES);
             Arc::new(Curve::new(|mu| albedo(lobe, Ggx { alpha }, mu, &rule)))
+        });
+        Arc::clone(curve)
+    }
+
+    /// The curve of a lobe that is `f` times its cosine, of `wo` and `wi`, known by `key`.
+    fn of_value(&mut self, key: f64, f: impl Fn(DVec3, DVec3) -> f64) -> Arc<Curve> {
+        let curve = self.0.entry((4, key.to_bits(), 0)).or_insert_with(|| {
+            let rule = gauss(NODES);
+            Arc::new(Curve::new(|mu| {
+                let wo = DVec3::new(((1.0 - mu) * (1.0 + mu)).sqrt(), 0.0, mu);
+                // Gauss's rule in the square root of the cosine, and in half a turn of the azimuth.
+                let ring = |[x, weight]: &[f64; 2]| {
+                    let z = x * x;
+                    let r = (1.0 - z * z).sqrt();
+                    let at = |[y, w]: &[f64; 2]| {
+                        let phi = PI * y;
+                        w * f(wo, DVec3::new(r * libm::cos(phi), r * libm::sin(phi), z))
+                    };
+                    2.0 * PI * weight * 2.0 * x * z * rule.iter().map(at).sum::<f64>()
+                };
+                rule.iter().map(ring).sum()
+            }))
         });
         Arc::clone(curve)
     }
@@ -77,7 +120,12 @@ impl Curve {
             });
             refine(at(a), at(b), &at, 0, &mut points);
         }
-        Self { points }
+        let segment = |w: &[[f64; 2]]| {
+            let ([x0, y0], [x1, y1]) = (w[0], w[1]);
+            (x1 - x0) / 3.0 * (y0 * (2.0 * x0 + x1) + y1 * (x0 + 2.0 * x1))
+        };
+        let average = points.windows(2).map(segment).sum();
+        Self { points, average }
     }
 
     /// The value at `mu`, [0, 1].
@@ -89,12 +137,127 @@ impl Curve {
 
     /// The average over the hemisphere: twice the integral of the value times the cosine.
     pub(super) fn average(&self) -> f64 {
-        let segment = |w: &[[f64; 2]]| {
-            let ([x0, y0], [x1, y1]) = (w[0], w[1]);
-            (x1 - x0) / 3.0 * (y0 * (2.0 * x0 + x1) + y1 * (x0 + 2.0 * x1))
-        };
-        self.points.windows(2).map(segment).sum()
+        self.average
     }
+}
+
+impl Mix {
+    /// The value at `mu`, [0, 1].
+    pub(super) fn at(&self, mu: f64) -> f64 {
+        self.0.iter().map(|(w, curve)| w * curve.at(mu)).sum()
+    }
+
+    /// The average over the hemisphere.
+    pub(super) fn average(&self) -> f64 {
+        self.0.iter().map(|(w, curve)| w * curve.average()).sum()
+    }
+}
+
+/// The curves that a material with textures may need: at its own parameters where they are constant, else
+/// at nodes to interpolate between.
+#[derive(Debug, Default)]
+pub(super) struct Shelf {
+    /// Nodes of roughness, and of the root of F0.
+    roughness: Vec<f64>,
+    root: Vec<f64>,
+    reflection: Vec<Arc<Curve>>,
+    /// For each node of roughness, those of the root.
+    layer: Vec<Vec<Arc<Curve>>>,
+    dielectric: [Vec<Arc<Curve>>; 2],
+    /// Nodes of roughness of coat and sheen, and their curves; empty where there is none.
+    coat: (Vec<f64>, Vec<Arc<Curve>>),
+    sheen: (Vec<f64>, Vec<Arc<Curve>>),
+}
+
+/// Smallest roughness that has curves.
+const LEAST: f64 = 0.01;
+
+impl Shelf {
+    pub(super) fn new(p: &Principled, textures: &Textures) -> Self {
+        let steps = |from: f64, to: f64, n: u32| {
+            (0..=n).map(|i| from + (to - from) * f64::from(i) / f64::from(n)).collect::<Vec<f64>>()
+        };
+        let roughness = match textures.roughness {
+            Some(_) => steps(LEAST, 1.0, 24),
+            None => vec![f64::from(p.roughness).max(LEAST)],
+        };
+        let (ior, brightest) = (f64::from(p.ior), f64::from(p.specular_color.max_channel()).max(1.0));
+        let largest = ((ior - 1.0) / (ior + 1.0)) * (f64::from(p.specular) * brightest).sqrt();
+        let largest = largest.min(0.99f64.sqrt());
+        let varies = textures.specular.is_some() || textures.specular_color.is_some() && brightest > 1.0;
+        let root = if varies { steps(1e-3 * largest, largest, 12) } else { vec![largest] };
+        let mut curves = Curves::default();
+        let mut row = |lobe| roughness.iter().map(|r| curves.get(lobe, r * r)).collect::<Vec<_>>();
+        let solid = p.transmission > 0.0 && !p.thin && ior != 1.0;
+        let dielectric = |row: &mut dyn FnMut(Lobe) -> Vec<Arc<Curve>>, eta| {
+            if solid { row(Lobe::Dielectric { eta }) } else { Vec::new() }
+        };
+        let mut layer = vec![Vec::new(); roughness.len()];
+        if largest > 0.0 {
+            for s in &root {
+                let eta = (1.0 + s) / (1.0 - s);
+                for (list, curve) in layer.iter_mut().zip(row(Lobe::Layer { eta })) {
+                    list.push(curve);
+                }
+            }
+        }
+        let reflection = row(Lobe::Reflection);
+        let dielectric = [dielectric(&mut row, ior), dielectric(&mut row, 1.0 / ior)];
+        let mut over = |textured: bool, value: f32, lobe, wanted: bool| {
+            let nodes = if textured { steps(LEAST, 1.0, 24) } else { vec![f64::from(value).max(LEAST)] };
+            let row =
+                if wanted { nodes.iter().map(|r| curves.get(lobe, r * r)).collect() } else { Vec::new() };
+            (nodes, row)
+        };
+        let eta = f64::from(p.coat_ior);
+        let coat =
+            over(textures.coat_roughness.is_some(), p.coat_roughness, Lobe::Coat { eta }, p.coat > 0.0);
+        let colored = p.sheen_color.max_channel() > 0.0;
+        let sheen =
+            over(textures.sheen_roughness.is_some(), p.sheen_roughness.max(0.07), Lobe::Sheen, colored);
+        Self { reflection, layer, dielectric, roughness, root, coat, sheen }
+    }
+
+    /// The curve of a lobe, interpolated over roughness and over the root of F0.
+    pub(super) fn mix(&self, lobe: Lobe, alpha: f64) -> Mix {
+        let over = |(nodes, curves): &(Vec<f64>, Vec<Arc<Curve>>)| {
+            let mix = between(nodes, alpha.sqrt()).into_iter();
+            Mix(mix.map(|(i, w)| (w, Arc::clone(&curves[i]))).collect())
+        };
+        match lobe {
+            Lobe::Coat { .. } => return over(&self.coat),
+            Lobe::Sheen => return over(&self.sheen),
+            _ => {}
+        }
+        let mut mix = Vec::new();
+        for (i, w) in between(&self.roughness, alpha.sqrt()) {
+            match lobe {
+                Lobe::Reflection => mix.push((w, &self.reflection[i])),
+                Lobe::Dielectric { eta } => {
+                    // Materials that transmit nothing ask too, and do not use it.
+                    let list = &self.dielectric[usize::from(eta < 1.0)];
+                    mix.push((w, list.get(i).unwrap_or(&self.reflection[i])));
+                }
+                Lobe::Layer { eta } if !self.layer[i].is_empty() => {
+                    for (k, v) in between(&self.root, (eta - 1.0) / (eta + 1.0)) {
+                        mix.push((w * v, &self.layer[i][k]));
+                    }
+                }
+                Lobe::Layer { .. } | Lobe::Coat { .. } | Lobe::Sheen => {}
+            }
+        }
+        Mix(mix.into_iter().map(|(w, curve)| (w, Arc::clone(curve))).collect())
+    }
+}
+
+/// The nodes around `x`, with their weights.
+fn between(nodes: &[f64], x: f64) -> Vec<(usize, f64)> {
+    if nodes.len() == 1 {
+        return vec![(0, 1.0)];
+    }
+    let next = nodes.partition_point(|n| *n < x).clamp(1, nodes.len() - 1);
+    let t = ((x - nodes[next - 1]) / (nodes[next] - nodes[next - 1])).clamp(0.0, 1.0);
+    vec![(next - 1, 1.0 - t), (next, t)]
 }
 
 /// Appends what is needed between `a` (already there) and `b`, then `b`.
@@ -110,7 +273,8 @@ fn refine(a: [f64; 2], b: [f64; 2], at: &impl Fn(f64) -> [f64; 2], level: u32, o
 
 /// The average over the hemisphere of the Fresnel reflectance, weighted with the cosine.
 pub(super) fn average_fresnel(eta: f64) -> f64 {
-    gauss(256).iter().map(|[mu, w]| 2.0 * w * mu * fresnel::exact(*mu, eta)).sum()
+    static RULE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| gauss(256));
+    RULE.iter().map(|[mu, w]| 2.0 * w * mu * fresnel::exact(*mu, eta)).sum()
 }
 
 /// The albedo of a lobe seen under the cosine `mu`: an integral over the half vectors h, of
@@ -121,12 +285,12 @@ fn albedo(lobe: Lobe, ggx: Ggx, mu: f64, rule: &[[f64; 2]]) -> f64 {
     let reflected = |h: DVec3| {
         let wi = reflect(wo, h);
         let share = match lobe {
-            Lobe::Reflection => 1.0,
+            Lobe::Reflection | Lobe::Sheen => 1.0,
             Lobe::Layer { eta } => {
                 let f0 = fresnel::exact(1.0, eta);
                 (fresnel::exact(wo.dot(h), eta) - f0) / (1.0 - f0)
             }
-            Lobe::Dielectric { eta } => fresnel::exact(wo.dot(h), eta),
+            Lobe::Coat { eta } | Lobe::Dielectric { eta } => fresnel::exact(wo.dot(h), eta),
         };
         if wi.z > 0.0 { share * ggx.g2(wo, wi) } else { 0.0 }
     };
@@ -150,7 +314,7 @@ fn albedo(lobe: Lobe, ggx: Ggx, mu: f64, rule: &[[f64; 2]]) -> f64 {
         let faces = if along < 0.0 { mu / -along } else { f64::INFINITY };
         let mut sum = 0.0;
         match lobe {
-            Lobe::Reflection | Lobe::Layer { .. } => {
+            Lobe::Reflection | Lobe::Layer { .. } | Lobe::Coat { .. } | Lobe::Sheen => {
                 sum += over_slopes(ggx, phi, [0.0, reflects], rule, |h| reflected(h) * visible(h));
             }
             Lobe::Dielectric { eta } => {

@@ -16,6 +16,8 @@ pub(super) struct Geometry {
 
 #[derive(Debug)]
 struct Object {
+    /// Index in the scene.
+    number: usize,
     material: usize,
     visible_to_camera: bool,
     /// World space.
@@ -33,6 +35,8 @@ enum Solid {
 
 #[derive(Debug)]
 struct Triangle {
+    /// Index in the mesh.
+    number: usize,
     corner: DVec3,
     edges: [DVec3; 2],
     /// Geometric normal, unit; the front is where it points.
@@ -63,13 +67,18 @@ pub(super) struct Hit {
     pub(super) material: usize,
     /// What was hit.
     pub(super) primitive: Primitive,
+    /// Index of the object in the scene, and of the triangle in its mesh.
+    pub(super) object: usize,
+    pub(super) triangle: usize,
+    /// Weights of the triangle's corners.
+    pub(super) weights: [f64; 3],
 }
 
 impl Geometry {
     /// Flattens a scene into world space. Objects that name no mesh or whose transform has no
     /// inverse, and triangles without area, are left out.
     pub(super) fn new(scene: &Scene) -> Self {
-        let objects = scene.objects.iter().filter_map(|object| {
+        let objects = scene.objects.iter().enumerate().filter_map(|(number, object)| {
             let matrix = object.transform.matrix3;
             let det = matrix.determinant();
             if det == 0.0 || !det.is_finite() {
@@ -88,7 +97,8 @@ impl Geometry {
                 }
             };
             let material = object.material.0 as usize;
-            Some(Object { material, visible_to_camera: object.visible_to_camera, center, radius, shape })
+            let visible_to_camera = object.visible_to_camera;
+            Some(Object { number, material, visible_to_camera, center, radius, shape })
         });
         Self { objects: objects.collect() }
     }
@@ -123,6 +133,9 @@ impl Geometry {
                         ns: n,
                         material: object.material,
                         primitive: Primitive { object: index, triangle: 0 },
+                        object: object.number,
+                        triangle: 0,
+                        weights: [1.0, 0.0, 0.0],
                     });
                 }
                 Solid::Triangles(triangles) => {
@@ -137,7 +150,10 @@ impl Geometry {
                         let nearest = best.as_ref().map_or(limit, |hit| hit.t);
                         let Some((t, weights)) = triangle.intersect(o, d) else { continue };
                         if t < nearest {
-                            best = Some(triangle.hit(t, weights, object.material, primitive));
+                            best = Some(Hit {
+                                object: object.number,
+                                ..triangle.hit(t, weights, object.material, primitive)
+                            });
                         }
                     }
                 }
@@ -152,7 +168,7 @@ impl Geometry {
 fn flatten(mesh: &Mesh, place: impl Fn(glam::Vec3) -> DVec3, matrix: DMat3) -> Vec<Triangle> {
     let mirrored = matrix.determinant() < 0.0;
     let to_normal = matrix.inverse().transpose();
-    let triangle = |indices: &[u32; 3]| {
+    let triangle = |(number, indices): (usize, &[u32; 3])| {
         let [i, j, k] = indices.map(|i| i as usize);
         let [a, b, c] = [i, j, k].map(|i| mesh.positions.get(i).copied().map(&place));
         let (a, b, c) = (a?, b?, c?);
@@ -162,9 +178,9 @@ fn flatten(mesh: &Mesh, place: impl Fn(glam::Vec3) -> DVec3, matrix: DMat3) -> V
         let ns = [i, j, k].map(|i| {
             mesh.normals.get(i).and_then(|n| (to_normal * n.as_dvec3()).try_normalize()).unwrap_or(ng)
         });
-        Some(Triangle { corner: a, edges, ng, ns })
+        Some(Triangle { number, corner: a, edges, ng, ns })
     };
-    mesh.triangles.iter().filter_map(triangle).collect()
+    mesh.triangles.iter().enumerate().filter_map(triangle).collect()
 }
 
 /// A sphere around all corners: centre of the bounding box, farthest corner, and a little more.
@@ -234,6 +250,9 @@ impl Triangle {
             ns: ns.try_normalize().unwrap_or(self.ng),
             material,
             primitive,
+            object: primitive.object,
+            triangle: self.number,
+            weights: [1.0 - u - v, u, v],
         }
     }
 }

@@ -4,14 +4,16 @@
 //! goes on, since lights never block. A light without one (a point, a spot, a sun of angle zero)
 //! cannot be met, and is added at each vertex by a shadow ray.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
 use super::geometry::sphere;
 use super::medium::{Medium, transmittance};
 use super::rgb;
-use crate::scene::{AreaShape, Environment, LightKind, Scene, SpotFalloff};
+use crate::color::srgb_to_linear;
+use crate::scene::{AreaShape, Environment, LightKind, Pixels, Scene, SpotFalloff, Texels};
 
 /// All lights of a scene, and its environment.
 #[derive(Debug)]
@@ -20,6 +22,8 @@ pub(super) struct Lights {
     /// Lights that only a shadow ray reaches.
     pub(super) delta: Vec<Delta>,
     environment: Option<Environment>,
+    /// The environment's picture, and its rotation.
+    picture: Option<(Arc<Pixels>, f64)>,
 }
 
 /// A light that rays can meet.
@@ -106,7 +110,13 @@ impl Lights {
                 LightKind::Area { .. } => {}
             }
         }
-        Self { extended, delta, environment: scene.environment.clone() }
+        let environment = scene.environment.clone();
+        let image = environment.as_ref().and_then(|e| e.image);
+        let picture = image.and_then(|i| {
+            let pixels = scene.images.get(i.image.0 as usize)?.pixels.as_ref()?;
+            Some((Arc::clone(pixels), i.rotation))
+        });
+        Self { extended, delta, environment, picture }
     }
 
     /// Radiance that a segment of `length` metres gathers at its start `o`: of the lights that it
@@ -134,10 +144,36 @@ impl Lights {
             && length.is_infinite()
             && (!from_camera || environment.visible_to_camera)
         {
-            sum += transmittance(medium, length) * rgb(environment.radiance);
+            let texel = self.picture.as_ref().map_or(DVec3::ONE, |(p, rotation)| seen(p, *rotation, d));
+            sum += transmittance(medium, length) * rgb(environment.radiance) * texel;
         }
         sum
     }
+}
+
+/// What a picture of all directions shows along the unit direction `d`: four texels about it, weighted
+/// by how near their middles are.
+fn seen(picture: &Pixels, rotation: f64, d: DVec3) -> DVec3 {
+    // The picture was turned counter-clockwise; turning the direction back says where it was before.
+    let before = DAffine3::from_rotation_y(-rotation).transform_vector3(d);
+    let longitude = 0.5 + libm::atan2(before.x, -before.z) / TAU;
+    let latitude = libm::acos(before.y.clamp(-1.0, 1.0)) / PI;
+    let (w, h) = (i64::from(picture.width), i64::from(picture.height));
+    let (x, y) = (longitude * w as f64 - 0.5, latitude * h as f64 - 0.5);
+    let mut sum = DVec3::ZERO;
+    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let (i, j) = (x.floor() as i64 + dx, y.floor() as i64 + dy);
+        let weight = (1.0 - (x - i as f64).abs()) * (1.0 - (y - j as f64).abs());
+        let at = (j.clamp(0, h - 1) * w + i.rem_euclid(w)) as usize;
+        let decode = |c: f32| f64::from(srgb_to_linear(c));
+        let texel = match &picture.texels {
+            Texels::Byte(t) => [0, 1, 2].map(|c| decode(f32::from(t[at][c]) / 255.0)),
+            Texels::Short(t) => [0, 1, 2].map(|c| decode(f32::from(t[at][c]) / 65535.0)),
+            Texels::Float(t) => t[at].map(f64::from),
+        };
+        sum += weight * DVec3::from_array(texel);
+    }
+    sum
 }
 
 impl Extended {

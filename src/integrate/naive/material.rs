@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 use glam::DVec3;
 
-use super::albedo::Curves;
+use super::albedo::{Lobe, Mix};
 use super::fresnel;
 use super::medium::Medium;
 use super::principled::Principled;
@@ -18,7 +18,7 @@ use super::rng::Rng;
 use crate::scene::{MaterialKind, Sides};
 
 /// A material, ready to be evaluated.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Surface {
     emission: DVec3,
     both_sides: bool,
@@ -28,7 +28,7 @@ pub(super) struct Surface {
     bsdf: Bsdf,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Bsdf {
     Black,
     Diffuse { rho: DVec3 },
@@ -72,6 +72,11 @@ impl Vertex {
         Self { ng, ns, wo, front: ng.dot(wo) > 0.0 }
     }
 
+    /// The same with the normal of a map, where it faces `wo` as the surface does.
+    pub(super) fn mapped(self, n: DVec3) -> Self {
+        if n.dot(self.wo) * self.ng.dot(self.wo) > 0.0 { Self { ns: n, ..self } } else { self }
+    }
+
     /// The way from `wi` to `wo`, where both normals agree on it.
     pub(super) fn way(&self, wi: DVec3) -> Option<Way> {
         let geometric = self.ng.dot(wi) * self.ng.dot(self.wo);
@@ -105,8 +110,8 @@ impl Vertex {
 }
 
 impl Surface {
-    /// `curves` keeps the albedos that materials share.
-    pub(super) fn new(kind: &MaterialKind, curves: &mut Curves) -> Self {
+    /// `curves` gives the albedo of a lobe at a width.
+    pub(super) fn new(kind: &MaterialKind, curves: &mut dyn FnMut(Lobe, f64) -> Mix) -> Self {
         let (emission, sides) = kind.emission().unwrap_or_default();
         let (bsdf, absorption, encloses) = match kind {
             MaterialKind::Diffuse { color } => (Bsdf::Diffuse { rho: rgb(*color) }, None, false),
@@ -129,9 +134,15 @@ impl Surface {
         }
     }
 
-    /// Radiance emitted to a viewer on the front or the back.
-    pub(super) fn emitted(&self, front: bool) -> DVec3 {
-        if front || self.both_sides { self.emission } else { DVec3::ZERO }
+    /// Radiance emitted to the viewer at `wo`.
+    pub(super) fn emitted(&self, vertex: &Vertex) -> DVec3 {
+        if !vertex.front && !self.both_sides {
+            return DVec3::ZERO;
+        }
+        match &self.bsdf {
+            Bsdf::Principled(p) => self.emission * p.layers.below(vertex.ng.dot(vertex.wo).abs()),
+            _ => self.emission,
+        }
     }
 
     /// The medium of the segment along `wi`, where that before the vertex was `medium`.

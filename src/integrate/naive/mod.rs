@@ -25,22 +25,35 @@
 //! negative; a sampled direction that disagrees ends the path. A path leaves its triangle for good; a
 //! sphere is met again from inside only.
 //!
-//! *Emission*: [`crate::scene::MaterialKind::emission`]; a `Light` reflects nothing.
+//! *Emission*: [`crate::scene::MaterialKind::emission`], below coat and sheen; a `Light` reflects nothing.
 //!
 //! *Media.* A path starts in none. Refraction from the front to the back of a surface enters its
 //! absorption, refraction to the front leaves into none. Each segment, shadow rays included, multiplies
 //! by color^(length/distance).
 //!
+//! *Textures and vertex colours* are interpolated with the weights of a triangle's corners; `texture.rs` says
+//! how pictures are read, `varying.rs` what they multiply. Where a mesh has no texture coordinates, and on
+//! spheres, they are (0, 0). Normal maps: with n and t the interpolated normal and tangent in the mesh's own
+//! space (`scene/tangents.rs`; the sign w is that of the first corner), neither made unit, texel
+//! (x, y, z) = 2 texel - 1 with x and y times the scale means x t + y w (n x t) + z n, which goes to the world
+//! as normals do. It replaces ns where (it.wo)(ng.wo) > 0 and the mesh has a frame.
+//!
+//! *Alpha.* With a chance of 1 - alpha (with certainty below the cut-off of a mask) a path passes a surface
+//! as if it were not there: straight on, in the same medium, no event counted, and a camera ray stays one.
+//! Shadow rays are dimmed by 1 - alpha. What is not there does not emit.
+//!
 //! *Lights* that are not surfaces never block. A segment gathers each light with an extent whose front
 //! it crosses; the sun's disk and the environment are seen where nothing is hit. Camera rays (depth 0)
 //! see neither lights, environment nor objects whose `visible_to_camera` is false; all other rays do.
 //!
-//! *Materials*: the files `material.rs` and `principled.rs` state theirs.
+//! *Materials*: the files `material.rs`, `principled.rs` and `layers.rs` state theirs.
 
 mod albedo;
 mod camera;
+mod detail;
 mod fresnel;
 mod geometry;
+mod layers;
 mod light;
 mod material;
 mod medium;
@@ -49,6 +62,8 @@ mod path;
 mod principled;
 mod quadrature;
 mod rng;
+mod texture;
+mod varying;
 
 pub use path::{DEPTH_CAP, Estimate, Ray, Tracer};
 

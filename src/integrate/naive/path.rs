@@ -1,18 +1,25 @@
 //! The path loop of the reference integrator, and the statistics of its samples.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 
 use super::albedo::Curves;
-use super::geometry::{Geometry, Primitive};
+use super::detail::Details;
+use super::geometry::{Geometry, Hit, Primitive};
 use super::light::Lights;
 use super::material::{Surface, Vertex};
 use super::medium::{Medium, transmittance};
 use super::rng::Rng;
-use crate::scene::Scene;
+use super::varying::Varying;
+use crate::scene::{Scene, Shape};
 
 /// Scattering events after which a path ends where no `max_depth` is given. This is the integrator's
 /// only bias: what is cut is at most (largest reflectance)^1000 of the light.
 pub const DEPTH_CAP: u32 = 1000;
+
+/// Surfaces in a row that a path or a shadow ray may pass because they are not there.
+const PASS_CAP: u32 = 10_000;
 
 /// A ray, as a camera sends it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +47,9 @@ pub struct Tracer {
     geometry: Geometry,
     lights: Lights,
     surfaces: Vec<Surface>,
+    details: Details,
+    /// For each material that differs from point to point.
+    varying: Vec<Option<Varying>>,
 }
 
 impl Ray {
@@ -55,10 +65,20 @@ impl Tracer {
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let mut curves = Curves::default();
+        let mut curve = |lobe, alpha| curves.mix(lobe, alpha);
+        let mut colored = vec![false; scene.materials.len()];
+        for object in &scene.objects {
+            if let Shape::Mesh(id) = object.shape {
+                colored[object.material.0 as usize] |= !scene.meshes[id.0 as usize].colors.is_empty();
+            }
+        }
+        let varying = scene.materials.iter().zip(colored);
         Self {
+            details: Details::new(scene),
+            varying: varying.map(|(m, colored)| Varying::new(m, colored, scene)).collect(),
             geometry: Geometry::new(scene),
             lights: Lights::new(scene),
-            surfaces: scene.materials.iter().map(|m| Surface::new(&m.kind, &mut curves)).collect(),
+            surfaces: scene.materials.iter().map(|m| Surface::new(&m.kind, &mut curve)).collect(),
         }
     }
 
@@ -88,17 +108,37 @@ impl Tracer {
         let (mut o, mut d) = (ray.origin, ray.direction);
 
         for depth in 0..=max_depth {
-            // One segment: the lights it crosses, what lies behind everything, the surface it ends on.
-            let hit = self.geometry.closest(o, d, f64::INFINITY, source, depth == 0);
-            let length = hit.map_or(f64::INFINITY, |hit| hit.t);
-            radiance += beta * self.lights.along(o, d, length, depth == 0, medium);
-            let Some(hit) = hit else { break };
-            beta *= transmittance(medium, length);
+            // Segments up to a surface that is there: the lights they cross, what lies behind everything.
+            let mut passed = 0;
+            let (hit, surface, vertex) = loop {
+                let hit = self.geometry.closest(o, d, f64::INFINITY, source, depth == 0);
+                let length = hit.map_or(f64::INFINITY, |hit| hit.t);
+                radiance += beta * self.lights.along(o, d, length, depth == 0, medium);
+                let Some(hit) = hit else { return radiance };
+                beta *= transmittance(medium, length);
+                let Some(surface) = self.surfaces.get(hit.material) else { return radiance };
+                let vertex = Vertex::new(hit.ng, hit.ns, -d);
+                let Some(varying) = &self.varying[hit.material] else {
+                    break (hit, Cow::Borrowed(surface), vertex);
+                };
+                let detail = self.details.at(&hit);
+                let coverage = varying.coverage(&detail);
+                if coverage == 1.0 || (coverage > 0.0 && rng.uniform() < coverage) {
+                    let mapped = varying.normal(&detail);
+                    let mapped = mapped.and_then(|(set, map)| self.details.normal(&hit, set, map));
+                    let vertex = mapped.map_or(vertex, |n| vertex.mapped(n));
+                    break (hit, Cow::Owned(varying.at(&detail)), vertex);
+                }
+                passed += 1;
+                if passed == PASS_CAP {
+                    return radiance;
+                }
+                source = Some(hit.primitive);
+                o = hit.point;
+            };
 
             // Emission of the surface.
-            let Some(surface) = self.surfaces.get(hit.material) else { break };
-            let vertex = Vertex::new(hit.ng, hit.ns, -d);
-            radiance += beta * surface.emitted(vertex.front);
+            radiance += beta * surface.emitted(&vertex);
             if depth == max_depth {
                 break;
             }
@@ -107,13 +147,13 @@ impl Tracer {
             for light in &self.lights.delta {
                 let Some(arrival) = light.arrive(hit.point) else { continue };
                 let f = surface.f(&vertex, arrival.wi);
-                let from = Some(hit.primitive);
-                if f != DVec3::ZERO
-                    && self.geometry.closest(hit.point, arrival.wi, arrival.distance, from, false).is_none()
-                {
+                let share =
+                    if f == DVec3::ZERO { 0.0 } else { self.passes(&hit, arrival.wi, arrival.distance) };
+                if share > 0.0 {
                     let within = surface.medium_beyond(&vertex, arrival.wi, medium);
                     let cos = vertex.ns.dot(arrival.wi).abs();
-                    radiance += beta * f * cos * arrival.irradiance * transmittance(within, arrival.distance);
+                    let arriving = share * arrival.irradiance * transmittance(within, arrival.distance);
+                    radiance += beta * f * cos * arriving;
                 }
             }
 
@@ -128,6 +168,22 @@ impl Tracer {
             (o, d) = (hit.point, next.wi);
         }
         radiance
+    }
+
+    /// Share of light that comes to a hit along `wi` from `distance` away: what surfaces in between leave.
+    fn passes(&self, hit: &Hit, wi: DVec3, distance: f64) -> f64 {
+        let (mut share, mut left) = (1.0, distance);
+        let (mut o, mut source) = (hit.point, hit.primitive);
+        for _ in 0..PASS_CAP {
+            let Some(next) = self.geometry.closest(o, wi, left, Some(source), false) else { return share };
+            let varying = self.varying[next.material].as_ref();
+            share *= 1.0 - varying.map_or(1.0, |v| v.coverage(&self.details.at(&next)));
+            if share <= 0.0 {
+                return 0.0;
+            }
+            (o, source, left) = (next.point, next.primitive, left - next.t);
+        }
+        0.0
     }
 }
 

@@ -4,7 +4,7 @@
 //!
 //! f = m f_metal + (1-m) [ t f_trans + (1-t) ( f_spec + (1 - A(mu_o)) base/pi ) ]
 //!
-//! Everything but transmission is the same from both sides. GGX of alpha = roughness^2 with
+//! below the layers of [`super::layers`]. Everything but transmission is the same from both sides. GGX of alpha = roughness^2 with
 //! height-correlated Smith masking: f_ss = F D G2 / (4 mu_i mu_o); below alpha = [`SMOOTH`] the lobes are
 //! deltas. E is the directional albedo of f_ss with F = 1, E_avg its hemispherical average; a lobe with
 //! average Fresnel factor Favg is compensated by 1 + Fms (1-E)/E, Fms = Favg E_avg / (1 - Favg (1-E_avg))
@@ -25,12 +25,12 @@
 //! half vectors drawn from D, to reflect at or to pass; the density is that of the whole mixture.
 
 use std::f64::consts::FRAC_1_PI;
-use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::albedo::{Curve, Curves, Lobe, average_fresnel};
+use super::albedo::{Lobe, Mix, average_fresnel};
 use super::fresnel;
+use super::layers::Layers;
 use super::material::{Scatter, cosine_hemisphere, reflect, refract};
 use super::microfacet::Ggx;
 use super::rgb;
@@ -41,7 +41,7 @@ use crate::scene;
 pub(super) const SMOOTH: f64 = 1e-4;
 
 /// A principled material, ready to be evaluated. Directions are local, with z on the side of `wo`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Principled {
     base: DVec3,
     metallic: f64,
@@ -50,12 +50,14 @@ pub(super) struct Principled {
     thin: bool,
     ior: f64,
     layer: Layer,
+    /// Coat and sheen.
+    pub(super) layers: Layers,
     /// None where smooth.
     rough: Option<Rough>,
 }
 
 /// The dielectric layer on top.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Layer {
     f0: f64,
     tint: DVec3,
@@ -64,15 +66,15 @@ struct Layer {
 }
 
 /// What a rough material needs to know of itself.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Rough {
     ggx: Ggx,
     /// E.
-    reflection: Arc<Curve>,
+    reflection: Mix,
     /// Albedo of the layer's scaled Fresnel factor.
-    layer: Arc<Curve>,
+    layer: Mix,
     /// Total albedo of solid transmission from the front and from the back.
-    dielectric: [Arc<Curve>; 2],
+    dielectric: [Mix; 2],
     metal_fms: DVec3,
     layer_fms: DVec3,
 }
@@ -85,25 +87,28 @@ struct Mixture {
     reflect: f64,
     /// A half vector, to reflect at with the probability that Fresnel gives, and else to pass.
     split: f64,
+    /// A half vector of the coat, to reflect at.
+    coat: f64,
 }
 
 impl Principled {
-    pub(super) fn new(p: &scene::Principled, curves: &mut Curves) -> Self {
+    /// `curves` gives the albedo of a lobe at a width.
+    pub(super) fn new(p: &scene::Principled, curves: &mut dyn FnMut(Lobe, f64) -> Mix) -> Self {
         let (base, ior) = (rgb(p.base_color), f64::from(p.ior));
         let alpha = f64::from(p.roughness) * f64::from(p.roughness);
         let layer = Layer::new(ior, f64::from(p.specular), rgb(p.specular_color));
         let rough = (alpha >= SMOOTH).then(|| {
-            let reflection = curves.get(Lobe::Reflection, alpha);
+            let reflection = curves(Lobe::Reflection, alpha);
             let e_avg = reflection.average();
             let fms = |f_avg: DVec3| f_avg * e_avg / (1.0 - f_avg * (1.0 - e_avg));
             let dielectric = if p.transmission > 0.0 && !p.thin && ior != 1.0 {
-                [ior, 1.0 / ior].map(|eta| curves.get(Lobe::Dielectric { eta }, alpha))
+                [ior, 1.0 / ior].map(|eta| curves(Lobe::Dielectric { eta }, alpha))
             } else {
-                [Arc::clone(&reflection), Arc::clone(&reflection)]
+                [reflection.clone(), reflection.clone()]
             };
             Rough {
                 ggx: Ggx { alpha },
-                layer: curves.get(Lobe::Layer { eta: layer.eta }, alpha),
+                layer: curves(Lobe::Layer { eta: layer.eta }, alpha),
                 dielectric,
                 metal_fms: fms(base + (1.0 - base) / 21.0),
                 layer_fms: fms(layer.blend(average_fresnel(layer.eta))),
@@ -118,12 +123,19 @@ impl Principled {
             thin: p.thin,
             ior,
             layer,
+            layers: Layers::new(p, curves),
             rough,
         }
     }
 
     /// The BSDF without its delta lobes, sr^-1. `front`: whether `wo` is on the front side.
     pub(super) fn f(&self, wo: DVec3, wi: DVec3, front: bool) -> DVec3 {
+        let below = self.layers.below(wo.z) * self.f_below(wo, wi, front);
+        if wi.z > 0.0 { below + self.layers.f(wo, wi) } else { below }
+    }
+
+    /// What is below coat and sheen.
+    fn f_below(&self, wo: DVec3, wi: DVec3, front: bool) -> DVec3 {
         let [metal, trans, layered] = self.shares();
         let mut f = DVec3::ZERO;
         if wi.z > 0.0 {
@@ -236,9 +248,10 @@ impl Principled {
         } else if !self.thin && self.ior == 1.0 {
             transmitted += trans * self.transmission_tint;
         }
+        let below = self.layers.below(wo.z);
         let lobes = [
-            Scatter { wi: reflect(wo, DVec3::Z), weight: reflected },
-            Scatter { wi: beyond, weight: transmitted },
+            Scatter { wi: reflect(wo, DVec3::Z), weight: below * reflected + self.layers.delta(wo.z) },
+            Scatter { wi: beyond, weight: below * transmitted },
         ];
         lobes.into_iter().filter(|lobe| lobe.weight != DVec3::ZERO).collect()
     }
@@ -246,16 +259,18 @@ impl Principled {
     fn mixture(&self) -> Mixture {
         let [metal, trans, layered] = self.shares();
         let diffuse = layered * self.base.max_element();
+        let coat = self.layers.half_vectors().map_or(0.0, |(_, share)| share);
+        let wide = self.layers.wide();
         if self.rough.is_none() {
-            return Mixture { cosine: [diffuse, 0.0], reflect: 0.0, split: 0.0 };
+            return Mixture { cosine: [diffuse + wide, 0.0], reflect: 0.0, split: 0.0, coat };
         }
         let trans = if !self.thin && self.ior == 1.0 { 0.0 } else { trans };
         let layer = if self.layer.f0 > 0.0 { 0.5 * layered } else { 0.0 };
         let reflect = metal + layer;
         let split = trans;
         // A little of the hemisphere bounds the weights; more would thin out long paths inside glass.
-        let cosine = [diffuse + 0.02 * (reflect + split), 0.02 * split];
-        Mixture { cosine, reflect, split }
+        let cosine = [diffuse + 0.02 * (reflect + split) + wide, 0.02 * split];
+        Mixture { cosine, reflect, split, coat }
     }
 
     /// A direction from the mixture; none where what was drawn leads nowhere.
@@ -270,6 +285,11 @@ impl Principled {
             return Some(below(cosine_hemisphere(rng)));
         }
         u -= mixture.cosine[1];
+        if u < mixture.coat {
+            let h = self.layers.half_vectors()?.0.sample(rng);
+            return Some(reflect(wo, h)).filter(|wi| wo.dot(h) > 0.0 && wi.z > 0.0);
+        }
+        u -= mixture.coat;
         let h = self.rough.as_ref()?.ggx.sample(rng);
         if wo.dot(h) <= 0.0 {
             return None;
@@ -293,6 +313,10 @@ impl Principled {
     fn pdf(&self, mixture: &Mixture, wo: DVec3, wi: DVec3, front: bool) -> f64 {
         let up = DVec3::new(wi.x, wi.y, wi.z.abs());
         let mut pdf = mixture.cosine[usize::from(wi.z < 0.0)] * up.z * FRAC_1_PI;
+        if let Some((ggx, _)) = self.layers.half_vectors().filter(|_| wi.z > 0.0) {
+            let h = (wo + wi).normalize();
+            pdf += mixture.coat * ggx.pdf(h) * 0.25 / wo.dot(h);
+        }
         if let Some(rough) = &self.rough {
             // The half vector, |d h / d wi|, and how often it is used in this way.
             let h = (wo + up).normalize();
@@ -318,7 +342,7 @@ impl Principled {
 
 impl Mixture {
     fn total(&self) -> f64 {
-        self.cosine[0] + self.cosine[1] + self.reflect + self.split
+        self.cosine[0] + self.cosine[1] + self.reflect + self.split + self.coat
     }
 }
 
@@ -370,7 +394,10 @@ mod tests {
     fn one_interaction_keeps_energy() {
         for (roughness, thin) in [(0.1, false), (0.3, false), (0.6, false), (1.0, false), (0.5, true)] {
             let p = scene::Principled { roughness, thin, transmission: 1.0, ..Default::default() };
-            let p = Principled::new(&p, &mut Curves::default());
+            let p = {
+                let mut curves = super::super::albedo::Curves::default();
+                Principled::new(&p, &mut |lobe, alpha| curves.mix(lobe, alpha))
+            };
             for front in [true, false] {
                 let squeeze = if thin { 1.0 } else { p.eta(front) * p.eta(front) };
                 for mu in [1.0f64, 0.8, 0.5, 0.2, 0.05] {

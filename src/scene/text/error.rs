@@ -48,6 +48,8 @@ pub enum TextErrorKind {
     UnknownName,
     /// A value that makes no scene, such as a negative radius.
     Value,
+    /// A picture that is missing, or cannot be decoded.
+    Picture,
 }
 
 impl TextError {
@@ -114,6 +116,7 @@ impl Fault {
         fault.nearest = nearest(name, valid.iter().copied());
         if fault.nearest.is_none() {
             fault.expected = Some(match valid {
+                [] if what.starts_with(['a', 'e', 'i', 'o', 'u']) => format!("an {what} to be defined"),
                 [] => format!("a {what} to be defined"),
                 _ => one_of(valid),
             });
@@ -214,7 +217,7 @@ fn quoted(sentence: &str) -> impl Iterator<Item = &str> {
 fn plain_type(expected: &str) -> &str {
     match expected {
         "f32" | "f64" => "a number",
-        "u32" | "u64" | "usize" => "a whole number that is not negative",
+        "u8" | "u32" | "u64" | "usize" => "a whole number that is not negative",
         "a boolean" => "true or false",
         other => other,
     }

@@ -9,22 +9,24 @@ use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 
 use super::error::{Fault, TextErrorKind, one_of};
 use super::model::{
-    AbsorptionTable, AreaTable, CameraTable, Document, GlassTable, LightTable, MaterialTable, MeshTable,
-    ObjectTable, PointTable, PrincipledTable, PrismTable, SpotTable, SunTable,
+    AbsorptionTable, AreaTable, CameraTable, Document, EnvironmentTable, GlassTable, LightTable,
+    MaterialTable, MeshTable, ObjectTable, PointTable, PrincipledTable, PrismTable, SpotTable, SunTable,
 };
 use super::place::{Place, Step};
 use super::shapes::{self, Surface};
+use super::texture::{self, Pictures};
 use super::up::Up;
 use super::value::{NameOr, Placement};
 use crate::color::Rgb;
 use crate::scene::{
-    Absorption, Camera, Environment, Glass, Lens, Light, LightKind, Material, MaterialId, MaterialKind, Mesh,
-    MeshId, Object, Principled, Projection, Scene, Settings, Shape,
+    Absorption, Camera, Environment, EnvironmentImage, Glass, Lens, Light, LightKind, Material, MaterialId,
+    MaterialKind, Mesh, MeshId, Object, Principled, Projection, Scene, Settings, Shape,
 };
 
 /// Where in a file the parts of a scene come from.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Origins {
+    pub(super) images: Vec<Place>,
     materials: Vec<Place>,
     meshes: Vec<Place>,
     objects: Vec<Place>,
@@ -38,6 +40,7 @@ impl Origins {
         let path = Place::parse(path);
         let list = match path.0.first() {
             Some(Step::Key(key)) => match key.as_str() {
+                "images" => &self.images,
                 "materials" => &self.materials,
                 "meshes" => &self.meshes,
                 "objects" => &self.objects,
@@ -74,9 +77,12 @@ pub(super) fn expand(document: Document) -> Result<(Scene, Origins), Fault> {
         builder.scene.cameras.push(camera);
         builder.origins.cameras.push(place);
     }
+    for (name, entry) in document.image.0 {
+        builder.pictures.define(name, entry)?;
+    }
     for (name, table) in document.material.0 {
         let place = Place::top("material").key(&name);
-        let kind = material(&table, &place)?;
+        let kind = material(&table, &mut builder.pictures, &place)?;
         builder.materials.insert(name.clone(), MaterialId(builder.scene.materials.len() as u32));
         builder.scene.materials.push(Material { name, kind });
         builder.origins.materials.push(place);
@@ -94,12 +100,11 @@ pub(super) fn expand(document: Document) -> Result<(Scene, Origins), Fault> {
         builder.scene.lights.push(light(table, i, up, &place)?);
         builder.origins.lights.push(place);
     }
-    builder.scene.environment = document.environment.map(|e| Environment {
-        name: e.name.unwrap_or_else(|| "environment".to_owned()),
-        radiance: e.radiance.0,
-        image: None,
-        visible_to_camera: e.visible_to_camera.unwrap_or(true),
-    });
+    if let Some(table) = document.environment {
+        builder.scene.environment = Some(environment(table, &mut builder.pictures)?);
+    }
+    builder.scene.images = builder.pictures.images;
+    builder.origins.images = builder.pictures.places;
     Ok((builder.scene, builder.origins))
 }
 
@@ -108,6 +113,7 @@ struct Builder {
     up: Up,
     scene: Scene,
     origins: Origins,
+    pictures: Pictures,
     materials: HashMap<String, MaterialId>,
     meshes: HashMap<String, MeshId>,
 }
@@ -330,7 +336,7 @@ pub(in crate::scene) fn look_along(position: DVec3, direction: DVec3, above: DVe
     Some(DAffine3 { matrix3: DMat3::from_cols(x, z.cross(x), z) + DMat3::ZERO, translation: position })
 }
 
-fn material(table: &MaterialTable, place: &Place) -> Result<MaterialKind, Fault> {
+fn material(table: &MaterialTable, pictures: &mut Pictures, place: &Place) -> Result<MaterialKind, Fault> {
     let kinds = [
         ("diffuse", table.diffuse.is_some()),
         ("mirror", table.mirror.is_some()),
@@ -350,9 +356,10 @@ fn material(table: &MaterialTable, place: &Place) -> Result<MaterialKind, Fault>
             MaterialKind::Light { radiance: c.0, sides: table.sides.unwrap_or_default().0 }
         }
         MaterialTable { glass: Some(glass), .. } => MaterialKind::Glass(glass_of(glass)),
-        MaterialTable { principled, .. } => {
-            MaterialKind::Principled(Box::new(principled.as_ref().map(principled_of).unwrap_or_default()))
+        MaterialTable { principled: Some(table), .. } => {
+            MaterialKind::Principled(Box::new(principled(table, pictures, &place.key("principled"))?))
         }
+        _ => return Err(Fault::value(place.clone(), "a material without a kind")),
     })
 }
 
@@ -368,9 +375,9 @@ fn absorption_of(a: &AbsorptionTable) -> Absorption {
     Absorption { color: a.color.0, distance: a.distance }
 }
 
-fn principled_of(p: &PrincipledTable) -> Principled {
+fn principled(p: &PrincipledTable, pictures: &mut Pictures, place: &Place) -> Result<Principled, Fault> {
     let default = Principled::default();
-    Principled {
+    Ok(Principled {
         base_color: p.base_color.map_or(default.base_color, |c| c.0),
         metallic: p.metallic.unwrap_or(default.metallic),
         roughness: p.roughness.unwrap_or(default.roughness),
@@ -382,8 +389,40 @@ fn principled_of(p: &PrincipledTable) -> Principled {
         thin: p.thin.unwrap_or(default.thin),
         absorption: p.absorption.as_ref().map(absorption_of),
         emission: p.emission.map_or(default.emission, |c| c.0),
-        ..default
+        alpha: p.alpha.unwrap_or(default.alpha),
+        alpha_mode: texture::alpha_mode(p, place)?,
+        coat: p.coat.unwrap_or(default.coat),
+        coat_roughness: p.coat_roughness.unwrap_or(default.coat_roughness),
+        coat_ior: p.coat_ior.unwrap_or(default.coat_ior),
+        sheen_color: p.sheen_color.map_or(default.sheen_color, |c| c.0),
+        sheen_roughness: p.sheen_roughness.unwrap_or(default.sheen_roughness),
+        textures: pictures.textures(p, place)?,
+    })
+}
+
+fn environment(e: EnvironmentTable, pictures: &mut Pictures) -> Result<Environment, Fault> {
+    let place = Place::top("environment");
+    if e.radiance.is_none() && e.image.is_none() {
+        let fault = Fault::new(TextErrorKind::MissingKey, place, "missing key `radiance`");
+        return Err(fault.expecting("`radiance` or `image`"));
     }
+    if e.rotation.is_some() && e.image.is_none() {
+        let message = "`rotation` turns the environment's image, and there is none";
+        return Err(Fault::value(place.key("rotation"), message));
+    }
+    let image = match e.image {
+        Some(given) => Some(EnvironmentImage {
+            image: pictures.of_environment(given, &place.key("image"))?,
+            rotation: e.rotation.map_or(0.0, |a| a.radians),
+        }),
+        None => None,
+    };
+    Ok(Environment {
+        name: e.name.unwrap_or_else(|| "environment".to_owned()),
+        radiance: e.radiance.map_or(Rgb::WHITE, |c| c.0),
+        image,
+        visible_to_camera: e.visible_to_camera.unwrap_or(true),
+    })
 }
 
 fn mesh(name: &str, table: MeshTable, up: Up) -> Mesh {

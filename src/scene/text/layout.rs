@@ -21,11 +21,32 @@ pub(super) fn toml(root: &Table) -> String {
                     .iter()
                     .for_each(|(name, v)| section(&mut out, &format!("[{key}.{}]", toml_key(name)), v));
             }
+            // One line for each material; where one is too long for that, a header for each.
+            ("material", Node::Table(named)) if named.iter().any(|(_, v)| toml_flat(v).len() > WIDTH) => {
+                named.iter().for_each(|(name, v)| {
+                    let name = toml_key(name);
+                    match only_table(v) {
+                        Some((kind, parts)) => section(&mut out, &format!("[material.{name}.{kind}]"), parts),
+                        None => section(&mut out, &format!("[material.{name}]"), v),
+                    }
+                });
+            }
             (_, Node::List(items)) => items.iter().for_each(|v| section(&mut out, &format!("[[{key}]]"), v)),
             _ => section(&mut out, &format!("[{key}]"), value),
         }
     }
     out
+}
+
+/// The one entry of a table, where it is a table itself.
+fn only_table(value: &Node) -> Option<(&str, &Node)> {
+    match value {
+        Node::Table(entries) => match &entries[..] {
+            [(key, inner @ Node::Table(_))] => Some((key, inner)),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 fn is_section(key: &str, value: &Node) -> bool {
@@ -42,8 +63,12 @@ fn section(out: &mut String, header: &str, value: &Node) {
 fn entry(out: &mut String, key: &str, value: &Node) {
     out.push_str(&toml_key(key));
     out.push_str(" = ");
-    filled(out, value, 0, &|node| inline(node, &toml_key, " = "));
+    filled(out, value, 0, &toml_flat);
     out.push('\n');
+}
+
+fn toml_flat(node: &Node) -> String {
+    inline(node, &toml_key, " = ")
 }
 
 /// The tree of a scene as JSON.

@@ -7,10 +7,10 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::names::Word;
+use super::names::{AlphaWord, Word};
 use super::up::Up;
-use super::value::{Angle, Color, Expected, NameOr, Named, Placement, Rotation};
-use crate::scene::{AreaShape, FovAxis, Sides, SpotFalloff, ToneCurve};
+use super::value::{Angle, Color, Expected, NameOr, Named, OneOrTwo, Placement, Rotation, fixed};
+use crate::scene::{AreaShape, Channel, Filter, FovAxis, Sides, SpotFalloff, ToneCurve, Wrap};
 
 /// A scene for epsilux. Lengths are metres, colours linear Rec. 709, radiance is in W sr^-1 m^-2.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -36,6 +36,9 @@ pub(super) struct Document {
     /// Cameras by name; the first is used where none is asked for.
     #[serde(default)]
     pub(super) camera: Named<CameraTable>,
+    /// Pictures that textures and the environment use, by name.
+    #[serde(default)]
+    pub(super) image: Named<NameOr<ImageTable>>,
     /// Materials by name.
     #[serde(default)]
     pub(super) material: Named<MaterialTable>,
@@ -57,6 +60,7 @@ pub(super) struct Document {
 #[serde(deny_unknown_fields, expecting = "a table of render settings")]
 pub(super) struct RenderTable {
     /// Width and height in pixels.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) size: Option<[u32; 2]>,
     /// Samples per pixel.
     pub(super) spp: Option<u32>,
@@ -74,10 +78,13 @@ pub(super) struct RenderTable {
 #[schemars(extend("oneOf" = [{ "required": ["fov"] }, { "required": ["orthographic"] }]))]
 pub(super) struct CameraTable {
     /// Where it stands.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) eye: Option<[f64; 3]>,
     /// What is in the middle of the picture.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) target: Option<[f64; 3]>,
     /// What is up in the picture; the scene's up where left out.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) up: Option<[f64; 3]>,
     /// Instead of eye and target: camera space to world space; it looks along -Z with +Y up.
     pub(super) transform: Option<Placement>,
@@ -89,7 +96,7 @@ pub(super) struct CameraTable {
     #[serde(default)]
     pub(super) fov_axis: Word<FovAxis>,
     /// Shift of the picture to the right and up, in units of the side named by fov_axis.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) shift: [f64; 2],
     /// Depth of field.
     pub(super) lens: Option<LensTable>,
@@ -105,6 +112,52 @@ pub(super) struct LensTable {
     pub(super) radius: f64,
     /// Distance of what is sharp, along the view axis, metres.
     pub(super) focus: f64,
+}
+
+/// A picture in a file of its own.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a picture: { file }")]
+pub(super) struct ImageTable {
+    /// For people; the table's own name where left out.
+    pub(super) name: Option<String>,
+    /// Where it lies, below the scene's folder.
+    pub(super) file: String,
+}
+
+impl Expected for ImageTable {
+    const EXPECTED: &'static str = "the file of a picture, such as \"wood.png\", or { file = \"wood.png\" }";
+}
+
+/// A picture laid over a surface: its `image` by name, or its `file`.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "a texture: { image } or { file }")]
+#[schemars(extend("oneOf" = [{ "required": ["image"] }, { "required": ["file"] }]))]
+pub(super) struct TextureTable {
+    /// Name of a picture of the table `image`.
+    pub(super) image: Option<String>,
+    /// Instead of image: where the picture lies, below the scene's folder.
+    pub(super) file: Option<String>,
+    /// Which set of the mesh's texture coordinates, 0 (uvs) or 1 (uvs2); 0 where left out.
+    pub(super) uv_set: u8,
+    /// Added to the texture coordinates last, in pictures.
+    #[serde(default, deserialize_with = "fixed")]
+    pub(super) offset: Option<[f32; 2]>,
+    /// Degrees by which the picture is turned clockwise about its top left corner.
+    pub(super) rotation: Option<Angle>,
+    /// Factor on the texture coordinates, or one for each; 2 shows the picture twice as often.
+    pub(super) scale: Option<OneOrTwo<f32>>,
+    /// What lies beyond the edges, or beyond left and right, then top and bottom; "repeat" where left out.
+    pub(super) wrap: Option<OneOrTwo<Word<Wrap>>>,
+    /// What lies between texels; "linear" where left out.
+    pub(super) filter: Word<Filter>,
+    /// Of textures that stand for a number: which channel counts; "a" for alpha, else "r" where left out.
+    pub(super) channel: Option<Word<Channel>>,
+    /// Of normal maps: factor on their slope; 1 where left out.
+    pub(super) strength: Option<f32>,
+}
+
+impl Expected for TextureTable {
+    const EXPECTED: &'static str = "the name of an image, or a table such as { image, scale } or { file }";
 }
 
 /// A material: exactly one of diffuse, mirror, glass, light, principled.
@@ -149,7 +202,8 @@ pub(super) struct AbsorptionTable {
     pub(super) distance: f32,
 }
 
-/// glTF's metallic-roughness material with transmission, ior, specular, volume and emission.
+/// glTF's metallic-roughness material with transmission, ior, specular, volume, emission, alpha, coat and
+/// sheen. A texture multiplies the number or colour of its name.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a principled material such as { base_color, metallic, roughness }")]
 pub(super) struct PrincipledTable {
@@ -175,6 +229,51 @@ pub(super) struct PrincipledTable {
     pub(super) absorption: Option<AbsorptionTable>,
     /// Emitted radiance; black where left out.
     pub(super) emission: Option<Color>,
+    /// How much of the surface is there, 0 to 1; 1 where left out.
+    pub(super) alpha: Option<f32>,
+    /// What alpha does. Where left out: "mask" if there is a cutoff, "blend" if there is an alpha or a
+    /// texture of it, else "opaque".
+    pub(super) alpha_mode: Option<Word<AlphaWord>>,
+    /// Of alpha_mode "mask": the alpha from which the surface is there; 0.5 where left out.
+    pub(super) cutoff: Option<f32>,
+    /// Weight of a clear coat, 0 to 1; 0 where left out.
+    pub(super) coat: Option<f32>,
+    /// Roughness of the coat, 0 to 1; 0 where left out.
+    pub(super) coat_roughness: Option<f32>,
+    /// Index of refraction of the coat; 1.5 where left out.
+    pub(super) coat_ior: Option<f32>,
+    /// Reflectance of a layer of fibres, 0 to 1; black where left out.
+    pub(super) sheen_color: Option<Color>,
+    /// Roughness of the sheen, 0 to 1; 0.5 where left out.
+    pub(super) sheen_roughness: Option<f32>,
+    /// Picture for base_color.
+    pub(super) base_color_texture: Option<NameOr<TextureTable>>,
+    /// Picture for alpha.
+    pub(super) alpha_texture: Option<NameOr<TextureTable>>,
+    /// Picture for metallic.
+    pub(super) metallic_texture: Option<NameOr<TextureTable>>,
+    /// Picture for roughness.
+    pub(super) roughness_texture: Option<NameOr<TextureTable>>,
+    /// Normal map (+y is up in the picture) of everything but the coat.
+    pub(super) normal_texture: Option<NameOr<TextureTable>>,
+    /// Picture for emission.
+    pub(super) emission_texture: Option<NameOr<TextureTable>>,
+    /// Picture for specular.
+    pub(super) specular_texture: Option<NameOr<TextureTable>>,
+    /// Picture for specular_color.
+    pub(super) specular_color_texture: Option<NameOr<TextureTable>>,
+    /// Picture for transmission.
+    pub(super) transmission_texture: Option<NameOr<TextureTable>>,
+    /// Picture for coat.
+    pub(super) coat_texture: Option<NameOr<TextureTable>>,
+    /// Picture for coat_roughness.
+    pub(super) coat_roughness_texture: Option<NameOr<TextureTable>>,
+    /// Normal map of the coat.
+    pub(super) coat_normal_texture: Option<NameOr<TextureTable>>,
+    /// Picture for sheen_color.
+    pub(super) sheen_color_texture: Option<NameOr<TextureTable>>,
+    /// Picture for sheen_roughness.
+    pub(super) sheen_roughness_texture: Option<NameOr<TextureTable>>,
 }
 
 /// A triangle mesh; counter-clockwise is the front. Lists are empty or as long as `positions`.
@@ -184,23 +283,25 @@ pub(super) struct MeshTable {
     /// For people; the table's own name where left out.
     pub(super) name: Option<String>,
     /// Vertex positions.
+    #[serde(deserialize_with = "fixed")]
     pub(super) positions: Vec<[f32; 3]>,
     /// Unit shading normals; flat where left out.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) normals: Vec<[f32; 3]>,
     /// Unit tangents; the fourth number is the handedness, 1 or -1.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) tangents: Vec<[f32; 4]>,
     /// Texture coordinates from the top left.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) uvs: Vec<[f32; 2]>,
     /// A second set of texture coordinates.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) uvs2: Vec<[f32; 2]>,
     /// Linear vertex colours with alpha.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) colors: Vec<[f32; 4]>,
     /// Three vertex numbers a triangle, from zero.
+    #[serde(deserialize_with = "fixed")]
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
@@ -243,6 +344,7 @@ pub(super) struct ObjectTable {
 #[serde(deny_unknown_fields, expecting = "a sphere: { center, radius }")]
 pub(super) struct SphereTable {
     /// The origin where left out.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) center: Option<[f64; 3]>,
     /// Metres.
     pub(super) radius: f64,
@@ -253,8 +355,10 @@ pub(super) struct SphereTable {
 #[serde(deny_unknown_fields, expecting = "a box: { center, size }")]
 pub(super) struct BoxTable {
     /// Its middle.
+    #[serde(deserialize_with = "fixed")]
     pub(super) center: [f64; 3],
     /// Full extent along x, y and z before it is turned.
+    #[serde(deserialize_with = "fixed")]
     pub(super) size: [f64; 3],
     /// Turn about its middle.
     pub(super) rotation: Option<Rotation>,
@@ -265,10 +369,13 @@ pub(super) struct BoxTable {
 #[serde(deny_unknown_fields, expecting = "a rect: { corner, edges = [[..], [..]] }")]
 pub(super) struct RectTable {
     /// One corner.
+    #[serde(deserialize_with = "fixed")]
     pub(super) corner: [f64; 3],
     /// The two edges that leave it.
+    #[serde(deserialize_with = "fixed")]
     pub(super) edges: [[f64; 3]; 2],
     /// A point that its front looks at.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) facing: Option<[f64; 3]>,
 }
 
@@ -277,11 +384,13 @@ pub(super) struct RectTable {
 #[serde(deny_unknown_fields, expecting = "a polygon: { corners = [[..], ..] }")]
 pub(super) struct PolygonTable {
     /// Three or more corners in one plane.
+    #[serde(deserialize_with = "fixed")]
     pub(super) corners: Vec<[f64; 3]>,
     /// Corners of each hole.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) holes: Vec<Vec<[f64; 3]>>,
     /// A point that its front looks at.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) facing: Option<[f64; 3]>,
 }
 
@@ -291,6 +400,7 @@ pub(super) struct PolygonTable {
 #[serde(deny_unknown_fields, expecting = "a prism: { corners = [[..], ..], bottom, top }")]
 pub(super) struct PrismTable {
     /// The ground plan: [x, y] where z is up, [x, z] where y is up. Either way round.
+    #[serde(deserialize_with = "fixed")]
     pub(super) corners: Vec<[f64; 2]>,
     /// Height of the floor.
     pub(super) bottom: f64,
@@ -307,10 +417,10 @@ pub(super) struct PrismTable {
     /// Material of the ceiling.
     pub(super) ceiling: Option<String>,
     /// Corners of each hole in the floor.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) floor_holes: Vec<Vec<[f64; 2]>>,
     /// Corners of each hole in the ceiling.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) ceiling_holes: Vec<Vec<[f64; 2]>>,
 }
 
@@ -331,12 +441,16 @@ pub(super) struct LightTable {
     /// A flat surface that shines to one side.
     pub(super) area: Option<AreaTable>,
     /// Where it is; the origin where left out.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) position: Option<[f64; 3]>,
     /// Where it shines to; straight down where left out.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) direction: Option<[f64; 3]>,
     /// Instead of direction: a point in the middle of its beam.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) target: Option<[f64; 3]>,
     /// Which way the y extent of an area light points.
+    #[serde(default, deserialize_with = "fixed")]
     pub(super) up: Option<[f64; 3]>,
     /// Instead of all these: its own space to world space; it shines along -Z.
     pub(super) transform: Option<Placement>,
@@ -391,6 +505,7 @@ pub(super) struct AreaTable {
     #[serde(default)]
     pub(super) shape: Word<AreaShape>,
     /// Full extent along its x and y.
+    #[serde(deserialize_with = "fixed")]
     pub(super) size: [f64; 2],
     /// W sr^-1 m^-2.
     pub(super) radiance: Color,
@@ -398,12 +513,29 @@ pub(super) struct AreaTable {
 
 /// What is seen where nothing is hit.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "an environment: { radiance }")]
+#[serde(deny_unknown_fields, expecting = "an environment: { radiance } or { image }")]
+#[schemars(extend("anyOf" = [{ "required": ["radiance"] }, { "required": ["image"] }]))]
 pub(super) struct EnvironmentTable {
     /// For people; "environment" where left out.
     pub(super) name: Option<String>,
-    /// Radiance from every direction.
-    pub(super) radiance: Color,
+    /// Radiance from every direction, or a factor on the image; white where there is an image.
+    pub(super) radiance: Option<Color>,
+    /// Picture of all directions, equirectangular: name of an image, or { file }.
+    pub(super) image: Option<NameOr<FileTable>>,
+    /// Degrees by which the image is turned about the up axis, counter-clockwise seen from above.
+    pub(super) rotation: Option<Angle>,
     /// Whether the camera sees it directly; true where left out.
     pub(super) visible_to_camera: Option<bool>,
+}
+
+/// A picture that only one place uses.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a picture: { file }")]
+pub(super) struct FileTable {
+    /// Where it lies, below the scene's folder.
+    pub(super) file: String,
+}
+
+impl Expected for FileTable {
+    const EXPECTED: &'static str = "the name of an image, or { file = \"sky.hdr\" }";
 }

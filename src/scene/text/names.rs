@@ -1,11 +1,11 @@
 //! The words of the text form for the scene's small enums: one table for reading, writing and schema.
 
-use crate::scene::{AreaShape, FovAxis, Sides, SpotFalloff, ToneCurve};
+use crate::scene::{AreaShape, Channel, Filter, FovAxis, Sides, SpotFalloff, ToneCurve, Wrap};
 
 use super::up::Up;
 
 /// An enum whose values are words in a scene file.
-pub(super) trait Vocabulary: Copy + PartialEq + 'static {
+pub(crate) trait Vocabulary: Copy + PartialEq + 'static {
     /// Name of the set, for the schema.
     const NAME: &'static str;
     /// All values, each with its word.
@@ -22,9 +22,21 @@ pub(super) trait Vocabulary: Copy + PartialEq + 'static {
     }
 }
 
+/// What alpha does, without the number that goes with "mask".
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum AlphaWord {
+    /// Nothing.
+    #[default]
+    Opaque,
+    /// It is compared with the cut-off.
+    Mask,
+    /// It is a share.
+    Blend,
+}
+
 /// A value that is read from its word.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Word<T>(pub(super) T);
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Word<T>(pub(crate) T);
 
 macro_rules! vocabulary {
     ($($type:ident { $($word:literal = $variant:ident),+ })+) => {$(
@@ -41,5 +53,9 @@ vocabulary! {
     FovAxis { "horizontal" = Horizontal, "vertical" = Vertical }
     AreaShape { "rectangle" = Rectangle, "ellipse" = Ellipse }
     SpotFalloff { "gltf" = Gltf, "blender" = Blender }
+    AlphaWord { "opaque" = Opaque, "mask" = Mask, "blend" = Blend }
+    Wrap { "repeat" = Repeat, "mirror" = Mirror, "clamp" = Clamp }
+    Filter { "linear" = Linear, "nearest" = Nearest }
+    Channel { "r" = R, "g" = G, "b" = B, "a" = A }
     ToneCurve { "srgb" = Srgb, "agx" = Agx, "neutral" = Neutral, "sqrt" = Sqrt, "linear" = Linear }
 }

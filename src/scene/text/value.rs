@@ -14,6 +14,7 @@ use serde::de::{self, Deserialize, Deserializer, Error, MapAccess, SeqAccess, Vi
 use super::names::{Vocabulary, Word};
 use super::up::Up;
 use crate::color::{Rgb, blackbody, srgb_to_linear};
+use crate::scene::Wrap;
 
 /// Implements `JsonSchema` by hand for values with several spellings.
 macro_rules! schema {
@@ -44,6 +45,76 @@ macro_rules! visit_numbers {
     };
 }
 
+/// A list of `count` items, and not one more.
+fn exactly<'de, T: Deserialize<'de>, A: SeqAccess<'de>>(
+    mut seq: A,
+    count: usize,
+    expected: &dyn de::Expected,
+) -> Result<T, A::Error> {
+    let list = T::deserialize(SeqAccessDeserializer::new(&mut seq))?;
+    let mut more = 0;
+    while seq.next_element::<de::IgnoredAny>()?.is_some() {
+        more += 1;
+    }
+    if more == 0 { Ok(list) } else { Err(A::Error::invalid_length(count + more, expected)) }
+}
+
+/// Reads lists of a fixed length, wherever they are, as [`exactly`] does.
+pub(super) fn fixed<'de, D: Deserializer<'de>, F: Fixed>(d: D) -> Result<F, D::Error> {
+    F::Wire::deserialize(d).map(F::of)
+}
+
+/// What [`fixed`] reads: lists of a fixed length, and what is made of them.
+pub(super) trait Fixed: Sized {
+    /// The same with lists that know how long they are.
+    type Wire: for<'de> Deserialize<'de>;
+    /// From that.
+    fn of(wire: Self::Wire) -> Self;
+}
+
+impl<T: for<'de> Deserialize<'de>, const N: usize> Fixed for [T; N]
+where
+    [T; N]: for<'de> Deserialize<'de>,
+{
+    type Wire = Exactly<[T; N], N>;
+    fn of(wire: Self::Wire) -> Self {
+        wire.0
+    }
+}
+
+impl<F: Fixed> Fixed for Option<F> {
+    type Wire = Option<F::Wire>;
+    fn of(wire: Self::Wire) -> Self {
+        wire.map(F::of)
+    }
+}
+
+impl<F: Fixed> Fixed for Vec<F> {
+    type Wire = Vec<F::Wire>;
+    fn of(wire: Self::Wire) -> Self {
+        wire.into_iter().map(F::of).collect()
+    }
+}
+
+/// A list of `N` items.
+pub(super) struct Exactly<L, const N: usize>(L);
+
+impl<'de, L: Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<L, N> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct V<L, const N: usize>(PhantomData<L>);
+        impl<'de, L: Deserialize<'de>, const N: usize> Visitor<'de> for V<L, N> {
+            type Value = Exactly<L, N>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "an array of length {N}")
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
+                exactly(seq, N, &self).map(Exactly)
+            }
+        }
+        d.deserialize_any(V(PhantomData))
+    }
+}
+
 /// A colour: `[r, g, b]` linear, `"#rrggbb"` in sRGB, or a temperature.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Color(pub(super) Rgb);
@@ -71,7 +142,7 @@ impl<'de> Deserialize<'de> for Color {
                 parse_hex(s).ok_or_else(|| E::invalid_value(de::Unexpected::Str(s), &self))
             }
             fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Color, A::Error> {
-                Ok(Color(<[f32; 3]>::deserialize(SeqAccessDeserializer::new(seq))?.into()))
+                Ok(Color(exactly::<[f32; 3], _>(seq, 3, &self)?.into()))
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Color, A::Error> {
                 let t = Temperature::deserialize(MapAccessDeserializer::new(map))?;
@@ -185,7 +256,7 @@ impl<'de> Deserialize<'de> for Rotation {
                 Ok(Rotation::Turn(Angle::deserialize(MapAccessDeserializer::new(map))?))
             }
             fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Rotation, A::Error> {
-                Ok(Rotation::Euler(<[Angle; 3]>::deserialize(SeqAccessDeserializer::new(seq))?))
+                Ok(Rotation::Euler(exactly(seq, 3, &self)?))
             }
         }
         d.deserialize_any(V)
@@ -214,7 +285,7 @@ impl<'de> Deserialize<'de> for Scale {
             }
             visit_numbers!(Scale, |v| Scale([v; 3]));
             fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Scale, A::Error> {
-                Ok(Scale(<[f64; 3]>::deserialize(SeqAccessDeserializer::new(seq))?))
+                Ok(Scale(exactly(seq, 3, &self)?))
             }
         }
         d.deserialize_any(V)
@@ -228,6 +299,90 @@ schema!(Scale, "Scale", |_g| json_schema!({
         { "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 },
     ],
 }));
+
+/// One value for both, or a list of two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OneOrTwo<T>(pub(super) [T; 2]);
+
+/// What a [`OneOrTwo`] is made of.
+pub(super) trait Single: Sized + Copy {
+    /// "a .., or a list of two".
+    const EXPECTED: &'static str;
+    /// From a number, where it is one.
+    fn from_number(v: f64) -> Option<Self>;
+    /// From a word, where words are what it is; else that text is the wrong type.
+    fn from_word(word: &str) -> Option<Option<Self>>;
+}
+
+impl Single for f32 {
+    const EXPECTED: &'static str = "a factor, or [u, v]";
+    fn from_number(v: f64) -> Option<Self> {
+        Some(v as Self)
+    }
+    fn from_word(_: &str) -> Option<Option<Self>> {
+        None
+    }
+}
+
+impl Single for Word<Wrap> {
+    const EXPECTED: &'static str = "`repeat`, `mirror` or `clamp`, or a list of two of them";
+    fn from_number(_: f64) -> Option<Self> {
+        None
+    }
+    fn from_word(word: &str) -> Option<Option<Self>> {
+        Some(Wrap::WORDS.iter().find(|(w, _)| *w == word).map(|&(_, value)| Self(value)))
+    }
+}
+
+impl<'de, T: Deserialize<'de> + Single> Deserialize<'de> for OneOrTwo<T> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct V<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de> + Single> Visitor<'de> for V<T> {
+            type Value = OneOrTwo<T>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(T::EXPECTED)
+            }
+            fn visit_f64<E: Error>(self, v: f64) -> Result<OneOrTwo<T>, E> {
+                let both = T::from_number(v).map(|v| OneOrTwo([v; 2]));
+                both.ok_or_else(|| E::invalid_type(de::Unexpected::Float(v), &self))
+            }
+            fn visit_i64<E: Error>(self, v: i64) -> Result<OneOrTwo<T>, E> {
+                self.visit_f64(v as f64)
+            }
+            fn visit_u64<E: Error>(self, v: u64) -> Result<OneOrTwo<T>, E> {
+                self.visit_f64(v as f64)
+            }
+            fn visit_str<E: Error>(self, s: &str) -> Result<OneOrTwo<T>, E> {
+                match T::from_word(s) {
+                    Some(Some(v)) => Ok(OneOrTwo([v; 2])),
+                    Some(None) => {
+                        Err(E::custom(format_args!("unknown variant `{s}`, expected {}", T::EXPECTED)))
+                    }
+                    None => Err(E::invalid_type(de::Unexpected::Str(s), &self)),
+                }
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<OneOrTwo<T>, A::Error> {
+                Ok(OneOrTwo(exactly(seq, 2, &self)?))
+            }
+        }
+        d.deserialize_any(V(PhantomData))
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for OneOrTwo<T> {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        format!("OneOrTwo_{}", T::schema_name()).into()
+    }
+    fn inline_schema() -> bool {
+        true
+    }
+    fn json_schema(g: &mut SchemaGenerator) -> Schema {
+        let one = g.subschema_for::<T>();
+        json_schema!({ "anyOf": [
+            one, { "type": "array", "items": one, "minItems": 2, "maxItems": 2 },
+        ] })
+    }
+}
 
 /// A transform: sixteen numbers column by column, or scale, rotation and translation in that order.
 #[derive(Clone, Copy, Debug)]
@@ -276,7 +431,7 @@ impl<'de> Deserialize<'de> for Placement {
                 f.write_str("a transform: 16 numbers column by column, or { translate, rotate, scale }")
             }
             fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Placement, A::Error> {
-                let m = <[f64; 16]>::deserialize(SeqAccessDeserializer::new(seq))?;
+                let m: [f64; 16] = exactly(seq, 16, &self)?;
                 if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
                     let found = de::Unexpected::Other("a matrix with perspective");
                     return Err(A::Error::invalid_value(found, &"a last row of 0, 0, 0, 1"));
@@ -411,6 +566,12 @@ impl<'de, T: Vocabulary> Deserialize<'de> for Word<T> {
             }
         }
         d.deserialize_str(V(PhantomData))
+    }
+}
+
+impl<T: Vocabulary> serde::Serialize for Word<T> {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.0.word())
     }
 }
 

@@ -10,11 +10,12 @@ use std::collections::HashSet;
 use glam::{DAffine3, DMat3, DMat4};
 
 use super::VERSION;
-use super::names::Vocabulary;
+use super::names::{AlphaWord, Vocabulary};
 use crate::color::Rgb;
 use crate::scene::{
-    Absorption, AreaShape, Camera, FovAxis, Light, LightKind, Material, MaterialKind, Mesh, Object,
-    Principled, Projection, Scene, Settings, Shape, Sides, SpotFalloff,
+    Absorption, AlphaMode, AreaShape, Camera, Channel, Environment, Filter, FovAxis, Image, ImageId, Light,
+    LightKind, Material, MaterialKind, Mesh, NormalTexture, Object, Principled, Projection, ScalarTexture,
+    Scene, Settings, Shape, Sides, SpotFalloff, Texture, Wrap,
 };
 
 /// A value of the text form.
@@ -140,6 +141,15 @@ fn angle(radians: f64) -> Node {
         .map_or_else(|| Keys::default().put("radians", radians).into(), Node::from)
 }
 
+/// The same for a single: shorter, since fewer digits tell it from its neighbours.
+fn angle_single(radians: f32) -> Node {
+    let degrees = f64::from(radians).to_degrees();
+    (0..=16)
+        .filter_map(|digits| format!("{degrees:.digits$e}").parse::<f64>().ok())
+        .find(|d| (d.to_radians() as f32).to_bits() == radians.to_bits())
+        .map_or_else(|| Keys::default().put("radians", f64::from(radians)).into(), Node::from)
+}
+
 /// The translation, where that is all a transform does.
 fn translation_only(t: &DAffine3) -> Option<[f64; 3]> {
     let bits = |m: DMat3| m.to_cols_array().map(f64::to_bits);
@@ -155,7 +165,9 @@ fn transform(t: &DAffine3) -> Node {
 
 /// The tables of a scene.
 pub(super) fn tree(scene: &Scene) -> Table {
-    let mesh_keys = unique_keys(scene.meshes.iter().map(|m| m.name.as_str()));
+    let mesh_keys = unique_keys("mesh", scene.meshes.iter().map(|m| m.name.as_str()));
+    let image_keys = unique_keys("image", scene.images.iter().map(|i| i.name.as_str()));
+    let images = scene.images.iter().zip(&image_keys).map(|(i, key)| (key.clone(), image(i, key)));
     let meshes = scene.meshes.iter().zip(&mesh_keys).map(|(m, key)| (key.clone(), mesh(m, key)));
     let material_name =
         |o: &Object| scene.materials.get(o.material.0 as usize).map_or("", |m| m.name.as_str());
@@ -165,24 +177,20 @@ pub(super) fn tree(scene: &Scene) -> Table {
         .unless("title", scene.title.as_str(), "")
         .table("render", settings(&scene.settings))
         .table("camera", scene.cameras.iter().map(|c| (c.name.clone(), camera(c))).collect())
-        .table("material", scene.materials.iter().map(|m| (m.name.clone(), material(m))).collect())
+        .table("image", images.collect())
+        .table(
+            "material",
+            scene.materials.iter().map(|m| (m.name.clone(), material(m, &image_keys))).collect(),
+        )
         .table("mesh", meshes.collect())
         .list("object", objects.collect())
         .list("light", scene.lights.iter().map(light).collect())
-        .some(
-            "environment",
-            scene.environment.as_ref().map(|e| {
-                Keys::default()
-                    .unless("name", e.name.as_str(), "environment")
-                    .put("radiance", e.radiance)
-                    .unless("visible_to_camera", e.visible_to_camera, true)
-            }),
-        )
+        .some("environment", scene.environment.as_ref().map(|e| environment(e, &image_keys)))
         .0
 }
 
 /// A key for each name: the name itself, or with a number where it is empty or taken.
-fn unique_keys<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+fn unique_keys<'a>(what: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
     let names_in_use: HashSet<&str> = names.clone().collect();
     let mut used = HashSet::new();
     names
@@ -195,7 +203,7 @@ fn unique_keys<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Vec<String> 
                 || (key != name && names_in_use.contains(key.as_str()))
             {
                 number += 1;
-                key = format!("{} {number}", if name.is_empty() { "mesh" } else { name });
+                key = format!("{} {number}", if name.is_empty() { what } else { name });
             }
             used.insert(key.clone());
             key
@@ -227,7 +235,7 @@ fn camera(c: &Camera) -> Node {
         .into()
 }
 
-fn material(m: &Material) -> Node {
+fn material(m: &Material, images: &[String]) -> Node {
     let keys = Keys::default();
     match &m.kind {
         MaterialKind::Diffuse { color } => keys.put("diffuse", *color),
@@ -242,12 +250,75 @@ fn material(m: &Material) -> Node {
                 .some("absorption", g.absorption.as_ref());
             keys.put("glass", glass)
         }
-        MaterialKind::Principled(p) => keys.put("principled", principled(p)),
+        MaterialKind::Principled(p) => keys.put("principled", principled(p, images)),
     }
     .into()
 }
 
-fn principled(p: &Principled) -> Keys {
+/// A picture by its file; where the scene's own file held it, somebody has to give it one first.
+fn image(i: &Image, key: &str) -> Node {
+    let file = i.file.as_deref().unwrap_or_default();
+    if i.name == key {
+        return file.into();
+    }
+    Keys::default().put("name", i.name.as_str()).put("file", file).into()
+}
+
+fn environment(e: &Environment, images: &[String]) -> Keys {
+    let keys = Keys::default().unless("name", e.name.as_str(), "environment");
+    let keys = match e.image {
+        None => keys.put("radiance", e.radiance),
+        Some(image) => keys
+            .unless("radiance", e.radiance, Rgb::WHITE)
+            .put("image", key_of(image.image, images))
+            .unless("rotation", angle(image.rotation), angle(0.0)),
+    };
+    keys.unless("visible_to_camera", e.visible_to_camera, true)
+}
+
+fn key_of(id: ImageId, images: &[String]) -> &str {
+    images.get(id.0 as usize).map_or("", String::as_str)
+}
+
+/// A texture and what its slot adds: the name of its picture, where that is all there is to say.
+fn texture(t: &Texture, images: &[String], more: Keys) -> Node {
+    let image = key_of(t.image, images);
+    let pair = |same: bool, one: Node, both: Node| if same { one } else { both };
+    let [u, v] = t.scale;
+    let scale = pair(u.to_bits() == v.to_bits(), u.into(), t.scale.into());
+    let [x, y] = t.wrap.map(Vocabulary::word);
+    let wrap = pair(x == y, x.into(), [x, y].into());
+    let mut keys = Keys::default()
+        .put("image", image)
+        .unless("uv_set", u32::from(t.uv_set), 0)
+        .unless("offset", t.offset, [0.0; 2])
+        .unless("rotation", angle_single(t.rotation), angle_single(0.0))
+        .unless("scale", scale, 1.0f32.into())
+        .unless("wrap", wrap, Wrap::default().word().into())
+        .unless("filter", t.filter.word(), Filter::default().word());
+    keys.0.extend(more.0);
+    if keys.0.len() == 1 { image.into() } else { keys.into() }
+}
+
+fn principled(p: &Principled, images: &[String]) -> Keys {
+    let color = |t: Option<Texture>| t.map(|t| texture(&t, images, Keys::default()));
+    let number = |t: Option<ScalarTexture>, default: Channel| {
+        t.map(|t| {
+            texture(&t.texture, images, Keys::default().unless("channel", t.channel.word(), default.word()))
+        })
+    };
+    let scalar = |t| number(t, Channel::R);
+    let normal = |t: Option<NormalTexture>| {
+        t.map(|t| texture(&t.texture, images, Keys::default().unless("strength", t.scale, 1.0)))
+    };
+    let t = &p.textures;
+    // Where alpha is mentioned, its mode is too: what would be meant without depends on what is there.
+    let alpha = Node::from(p.alpha) != Node::from(1.0f32) || t.alpha.is_some();
+    let (mode, cutoff) = match p.alpha_mode {
+        AlphaMode::Opaque => (AlphaWord::Opaque, None),
+        AlphaMode::Mask { cutoff } => (AlphaWord::Mask, Some(cutoff)),
+        AlphaMode::Blend => (AlphaWord::Blend, None),
+    };
     let default = Principled::default();
     Keys::default()
         .unless("base_color", p.base_color, default.base_color)
@@ -261,6 +332,28 @@ fn principled(p: &Principled) -> Keys {
         .unless("thin", p.thin, default.thin)
         .some("absorption", p.absorption.as_ref())
         .unless("emission", p.emission, default.emission)
+        .unless("alpha", p.alpha, default.alpha)
+        .some("alpha_mode", (alpha || mode != AlphaWord::Opaque).then(|| mode.word()))
+        .some("cutoff", cutoff)
+        .unless("coat", p.coat, default.coat)
+        .unless("coat_roughness", p.coat_roughness, default.coat_roughness)
+        .unless("coat_ior", p.coat_ior, default.coat_ior)
+        .unless("sheen_color", p.sheen_color, default.sheen_color)
+        .unless("sheen_roughness", p.sheen_roughness, default.sheen_roughness)
+        .some("base_color_texture", color(t.base_color))
+        .some("alpha_texture", number(t.alpha, Channel::A))
+        .some("metallic_texture", scalar(t.metallic))
+        .some("roughness_texture", scalar(t.roughness))
+        .some("normal_texture", normal(t.normal))
+        .some("emission_texture", color(t.emission))
+        .some("specular_texture", scalar(t.specular))
+        .some("specular_color_texture", color(t.specular_color))
+        .some("transmission_texture", scalar(t.transmission))
+        .some("coat_texture", scalar(t.coat))
+        .some("coat_roughness_texture", scalar(t.coat_roughness))
+        .some("coat_normal_texture", normal(t.coat_normal))
+        .some("sheen_color_texture", color(t.sheen_color))
+        .some("sheen_roughness_texture", scalar(t.sheen_roughness))
 }
 
 fn mesh(m: &Mesh, key: &str) -> Node {
@@ -363,6 +456,6 @@ mod tests {
     #[test]
     fn meshes_of_one_name_get_keys_of_their_own() {
         let names = ["tree", "", "tree", "tree 3", ""];
-        assert_eq!(unique_keys(names.into_iter()), ["tree", "mesh 2", "tree 4", "tree 3", "mesh 5"]);
+        assert_eq!(unique_keys("mesh", names.into_iter()), ["tree", "mesh 2", "tree 4", "tree 3", "mesh 5"]);
     }
 }

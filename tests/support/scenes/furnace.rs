@@ -36,6 +36,9 @@ pub(super) fn cases() -> Vec<Case> {
             p.transmission = 1.0;
             p.thin = true;
         });
+        add("coat over white", |p| p.coat = 0.8);
+        add("rough coat over white", |p| (p.coat, p.coat_ior, p.coat_roughness) = (1.0, 1.8, p.roughness));
+        add("white sheen over white", |p| (p.sheen_color, p.sheen_roughness) = (Rgb::WHITE, p.roughness));
         add("a bit of everything", |p| {
             p.metallic = 0.3;
             p.transmission = 0.6;

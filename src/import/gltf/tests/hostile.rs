@@ -141,12 +141,17 @@ fn limits_are_limits() {
         |max_bytes, max_triangles| ReadOptions { max_bytes, max_triangles, ..ReadOptions::default() };
     let refuse = |o| super::build::read_as(&square(), &o).unwrap_err().to_string();
     insta::assert_snapshot!(refuse(options(60, 9)), @r#"
-    test.gltf: accessors[1]: a file that needs more than 60 bytes is not supported; raise the limit if the file is trusted
+    test.gltf: nodes[0]: a file that needs more than 60 bytes is not supported; raise the limit if the file is trusted
     "#);
     insta::assert_snapshot!(refuse(options(1 << 20, 1)), @r#"
     test.gltf: meshes[0].primitives[0]: a file of more than 1 triangles is not supported; raise the limit if the file is trusted
     "#);
     assert!(super::build::read_as(&square(), &options(1 << 20, 2)).is_ok());
+    let lists = (60..1000).filter(|&bytes| {
+        let result = super::build::read_as(&square(), &options(bytes, 2));
+        result.is_err_and(|e| e.to_string().contains("accessors["))
+    });
+    assert_eq!(lists.count(), 48 + 24, "what the two accessors take");
 }
 
 fn small_glb() -> Vec<u8> {

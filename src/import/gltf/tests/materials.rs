@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::build::{lines, principled, read, square_with};
 use crate::color::Rgb;
-use crate::scene::{Absorption, Principled};
+use crate::scene::{Absorption, AlphaMode, Principled};
 
 /// Reads one material, written by `generator`.
 fn material(generator: &str, value: Value) -> (Principled, String) {
@@ -84,28 +84,31 @@ fn transmission_is_a_sheet_or_solid_glass() {
 /// Everything that is ignored, assumed or clamped is said, with its place.
 #[test]
 fn what_is_not_rendered_is_said() {
-    let texture = json!({"index": 0});
     let value = json!({
-        "pbrMetallicRoughness": {"baseColorTexture": texture, "metallicFactor": 1.5},
-        "emissiveFactor": [1, 1, 1], "emissiveTexture": texture,
-        "alphaMode": "MASK",
+        "pbrMetallicRoughness": {"metallicFactor": 1.5},
+        "occlusionTexture": {"index": 0},
+        "alphaMode": "DITHER",
         "extensions": {
-            "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]},
+            "KHR_materials_anisotropy": {"anisotropyStrength": 1},
+            "KHR_materials_clearcoat": {"clearcoatFactor": 2},
             "KHR_materials_transmission": {"transmissionFactor": 1},
-            "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 1, "attenuationColor": [0, 1, 1]},
+            "KHR_materials_volume": {
+                "thicknessFactor": 1, "attenuationDistance": 1, "attenuationColor": [0, 1, 1],
+                "thicknessTexture": {"index": 0},
+            },
             "VENDOR_thing": {},
         },
     });
-    let (p, said) = material("", value);
-    assert!(p.emission.is_black(), "an emissive texture's factor alone would make all of it shine");
+    let (_, said) = material("", value);
     insta::assert_snapshot!(said, @r#"
-    extension-ignored (Missing) materials[0].extensions.KHR_materials_sheen: KHR_materials_sheen is not supported: the sheen is missing
+    extension-ignored (Differs) materials[0].extensions.KHR_materials_anisotropy: KHR_materials_anisotropy is not supported: highlights are round
     extension-ignored (Missing) materials[0].extensions.VENDOR_thing: VENDOR_thing is not supported: what it describes is missing
     value-clamped (Differs) materials[0].pbrMetallicRoughness.metallicFactor: 1.5: taken as 1.0
-    texture-ignored (Missing) materials[0].pbrMetallicRoughness.baseColorTexture: textures are not rendered yet: the factor alone is used
-    alpha-ignored (Missing) materials[0].alphaMode: cut-outs are not rendered yet: the surface is opaque
-    texture-ignored (Missing) materials[0].emissiveTexture: textures are not rendered yet: the surface does not emit
+    occlusion-ignored (None) materials[0].occlusionTexture: occlusion is found by tracing: the texture is not used
+    alpha-ignored (Missing) materials[0].alphaMode: an unknown mode: the surface is opaque
+    thickness-ignored (None) materials[0].extensions.KHR_materials_volume.thicknessTexture: thickness is that of the geometry: the texture is not used
     value-clamped (Differs) materials[0].extensions.KHR_materials_volume.attenuationColor: [0.0, 1.0, 1.0]: taken as [1e-6, 1.0, 1.0]
+    value-clamped (Differs) materials[0].extensions.KHR_materials_clearcoat.clearcoatFactor: 2: taken as 1.0
     "#);
     insta::assert_snapshot!(material(BLENDER, json!({"name": "Noise", "doubleSided": true})).1, @r#"
     material-lost (Missing) materials[0]: a material without any property: Blender writes it where the nodes hold no Principled BSDF, and it shows as white metal
@@ -116,6 +119,48 @@ fn what_is_not_rendered_is_said() {
     insta::assert_snapshot!(said, @r#"
     unlit-emits (Differs) materials[0].extensions.KHR_materials_unlit: an unlit material is rendered as a black one that emits its base colour
     "#);
+}
+
+/// Coverage counts where the mode looks at it, and only there.
+#[test]
+fn alpha_has_three_modes() {
+    let check = |value: Value, alpha, mode| {
+        let (p, notes) = material("", value);
+        assert_eq!((p.alpha, p.alpha_mode, &*notes), (alpha, mode, ""));
+    };
+    let color = json!({"baseColorFactor": [1, 1, 1, 0.25]});
+    check(json!({"pbrMetallicRoughness": color}), 1.0, AlphaMode::Opaque);
+    check(json!({"pbrMetallicRoughness": color, "alphaMode": "BLEND"}), 0.25, AlphaMode::Blend);
+    let mask = |cutoff| AlphaMode::Mask { cutoff };
+    check(json!({"pbrMetallicRoughness": color, "alphaMode": "MASK"}), 0.25, mask(0.5));
+    check(json!({"alphaMode": "MASK", "alphaCutoff": 0.125}), 1.0, mask(0.125));
+    let glass = json!({
+        "pbrMetallicRoughness": color, "alphaMode": "BLEND",
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}},
+    });
+    check(glass, 0.25, AlphaMode::Blend);
+}
+
+/// Coat and sheen, which the document types do not know; without the extension there is none.
+#[test]
+fn coat_and_sheen_are_read() {
+    let (p, notes) = material(
+        "",
+        json!({"extensions": {
+            "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25},
+            "KHR_materials_sheen": {"sheenColorFactor": [0.5, 0.25, 1], "sheenRoughnessFactor": 0.75},
+        }}),
+    );
+    assert_eq!((p.coat, p.coat_roughness, p.coat_ior, &*notes), (0.5, 0.25, 1.5, ""));
+    assert_eq!((p.sheen_color, p.sheen_roughness), (Rgb::new(0.5, 0.25, 1.0), 0.75));
+    let (p, _) = material("", json!({"extensions": {"KHR_materials_sheen": {}}}));
+    assert_eq!((p.coat, p.sheen_color, p.sheen_roughness), (0.0, Rgb::BLACK, 0.0));
+    let wrong = json!({"extensions": {"KHR_materials_sheen": {"sheenColorFactor": "red"}}});
+    let error = read(&square_with(&[("/materials", json!([wrong]))])).unwrap_err().to_string();
+    assert!(
+        error.starts_with("test.gltf: materials[0].extensions.KHR_materials_sheen: found a fault"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -93,7 +93,7 @@ fn spheres_are_exact_where_the_transform_allows() {
     said += &check(json!({"extras": {"other": 1}}), false);
     insta::assert_snapshot!(said, @r#"
     sphere-ignored (Differs) nodes[0]: a sphere under a transform that is no rotation and uniform scale: the mesh is kept
-    extras-ignored (Missing) nodes[0].extras.epsilux: `color` is not known here; `sphere` is
+    extension-value-ignored (Differs) nodes[0].extras.epsilux.color: unknown field `color`, expected one of `sphere`, `light`, `visibility`, `matrix`: it is left out
     sphere-ignored (Differs) nodes[0].extras.epsilux.sphere: a sphere needs a `radius` above zero: the mesh is kept
     "#);
 }
