@@ -5,6 +5,7 @@
 
 mod distributions;
 mod error;
+pub mod gate;
 mod moments;
 
 pub use distributions::{normal_cdf, normal_quantile, sidak, student_two_sided, two_sided};
