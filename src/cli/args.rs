@@ -73,7 +73,7 @@ pub(super) struct SchemaArgs {
 /// Where the scene is, and how to read it.
 #[derive(Args, Debug)]
 pub(super) struct SceneArgs {
-    /// The scene: .gltf, .glb (glTF 2.0), .toml or .json (epsilux's own form)
+    /// The scene: .gltf, .glb (glTF 2.0), .obj, .toml or .json (epsilux's own form)
     pub(super) scene: PathBuf,
 
     /// What the intensities of glTF's point, spot and sun lights mean
