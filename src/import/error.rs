@@ -83,14 +83,10 @@ impl Fault {
             Self::File { path, reason } => {
                 format!("{}: {reason}", path.strip_prefix(folder).unwrap_or(path).display())
             }
-            Self::Invalid { place, found, expected } => {
-                format!("{place}: found {found}, expected {expected}")
+            Self::Invalid { place, .. } | Self::Unsupported { place, .. } => {
+                format!("{place}: {}", self.clause())
             }
-            Self::Text { error, .. } => error.to_string(),
-            Self::Unsupported { place, feature, help } => {
-                format!("{place}: {feature} is not supported; {help}")
-            }
-            Self::Elsewhere(error) => error.to_string(),
+            Self::Text { .. } | Self::Elsewhere(_) => self.clause(),
         }
     }
 

@@ -153,6 +153,26 @@ impl Textures {
         .filter_map(|(key, texture)| texture.map(|t| (key, t)))
     }
 
+    /// The textures that are set, to be changed; in no particular order.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Texture> {
+        let colors =
+            [&mut self.base_color, &mut self.emission, &mut self.specular_color, &mut self.sheen_color];
+        let scalars = [
+            &mut self.alpha,
+            &mut self.metallic,
+            &mut self.roughness,
+            &mut self.specular,
+            &mut self.transmission,
+            &mut self.coat,
+            &mut self.coat_roughness,
+            &mut self.sheen_roughness,
+        ];
+        let normals = [&mut self.normal, &mut self.coat_normal];
+        let scalars = scalars.into_iter().flatten().map(|s| &mut s.texture);
+        let normals = normals.into_iter().flatten().map(|n| &mut n.texture);
+        colors.into_iter().flatten().chain(scalars).chain(normals)
+    }
+
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -58,7 +58,7 @@ pub(super) fn build(
         default_material: None,
         material_names: names,
         camera_names: Names::default(),
-        unlike: HashSet::new(),
+        looked_at: HashSet::new(),
         scene: Scene { title: doc.title.clone(), materials: materials?, ..Scene::default() },
     };
     let mut stack: Vec<(usize, DAffine3)> =
@@ -193,7 +193,7 @@ struct Builder<'d> {
     material_names: Names,
     camera_names: Names,
     /// Meshes and materials that have been held against each other.
-    unlike: HashSet<(MeshId, MaterialId)>,
+    looked_at: HashSet<(MeshId, MaterialId)>,
     scene: Scene,
 }
 
@@ -308,17 +308,17 @@ impl Builder<'_> {
             let id = self.meshes.get(primitive, weights, &part, &at, &mut self.reader, self.notes)?;
             if let Some(id) = id {
                 let material = self.material(primitive.material.map(|m| m.value()), &at)?;
-                self.compare(id, material, &at);
+                self.note_idle_colors(id, material, &at);
                 self.object(name.clone(), Shape::Mesh(id), material, world);
             }
         }
         Ok(())
     }
 
-    /// Notes what a material asks of its mesh in vain; `place` is that of the primitive.
-    fn compare(&mut self, mesh: MeshId, material: MaterialId, place: &str) {
+    /// Notes vertex colours that do nothing under this material; `place` is that of the primitive.
+    fn note_idle_colors(&mut self, mesh: MeshId, material: MaterialId, place: &str) {
         let MaterialKind::Principled(p) = &self.scene.materials[material.0 as usize].kind else { return };
-        if !self.unlike.insert((mesh, material)) {
+        if !self.looked_at.insert((mesh, material)) {
             return;
         }
         let mesh = &self.meshes.list[mesh.0 as usize];

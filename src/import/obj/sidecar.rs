@@ -14,7 +14,7 @@ use super::super::error::Fault;
 use super::super::{file, text};
 use super::log::{Log, quoted};
 use crate::scene::text::Syntax;
-use crate::scene::{ImageId, MaterialId, MaterialKind, NoteEffect, Scene, Shape, Texture, Textures};
+use crate::scene::{MaterialId, MaterialKind, NoteEffect, Scene, Shape};
 
 /// A sidecar, read.
 pub(super) struct Sidecar {
@@ -53,7 +53,7 @@ impl Sidecar {
         let mut ids = Vec::with_capacity(extra.materials.len());
         for (i, mut material) in extra.materials.into_iter().enumerate() {
             if let MaterialKind::Principled(p) = &mut material.kind {
-                move_images(&mut p.textures, images);
+                p.textures.iter_mut().for_each(|t| t.image.0 += images);
             }
             if let Some(&of_obj) = known.get(&material.name) {
                 ids.push(MaterialId(of_obj as u32));
@@ -103,24 +103,4 @@ fn read(path: &Path, budget: &mut Budget, log: &mut Log) -> Result<(Scene, Strin
         log.add(note.code, note.effect, format!("{name}: {}", note.place), note.message);
     }
     Ok((scene, name))
-}
-
-/// Lets textures name pictures that stand `by` places further on.
-fn move_images(t: &mut Textures, by: u32) {
-    let colors = [&mut t.base_color, &mut t.emission, &mut t.specular_color, &mut t.sheen_color];
-    let scalars = [
-        &mut t.alpha,
-        &mut t.metallic,
-        &mut t.roughness,
-        &mut t.specular,
-        &mut t.transmission,
-        &mut t.coat,
-        &mut t.coat_roughness,
-        &mut t.sheen_roughness,
-    ];
-    let normals = [&mut t.normal, &mut t.coat_normal];
-    let shift = |texture: &mut Texture| texture.image = ImageId(texture.image.0 + by);
-    colors.into_iter().flatten().for_each(shift);
-    scalars.into_iter().flatten().for_each(|s| shift(&mut s.texture));
-    normals.into_iter().flatten().for_each(|n| shift(&mut n.texture));
 }

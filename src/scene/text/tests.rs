@@ -205,30 +205,10 @@ fn textures() -> BoxedStrategy<Textures> {
 
 /// Keeps the textures whose picture is one of `count`, and points them at it.
 fn point_at_pictures(textures: &mut Textures, count: usize) {
-    fn keep<T>(slot: &mut Option<T>, count: usize, texture: fn(&mut T) -> &mut Texture) {
-        match slot {
-            Some(t) if count > 0 => texture(t).image.0 %= count as u32,
-            _ => *slot = None,
-        }
+    match count as u32 {
+        0 => *textures = Textures::default(),
+        count => textures.iter_mut().for_each(|t| t.image.0 %= count),
     }
-    let t = textures;
-    for slot in [&mut t.base_color, &mut t.emission, &mut t.specular_color, &mut t.sheen_color] {
-        keep(slot, count, |t| t);
-    }
-    for slot in [
-        &mut t.alpha,
-        &mut t.metallic,
-        &mut t.roughness,
-        &mut t.specular,
-        &mut t.transmission,
-        &mut t.coat,
-        &mut t.coat_roughness,
-        &mut t.sheen_roughness,
-    ] {
-        keep(slot, count, |t| &mut t.texture);
-    }
-    keep(&mut t.normal, count, |t| &mut t.texture);
-    keep(&mut t.coat_normal, count, |t| &mut t.texture);
 }
 
 fn material_kind() -> BoxedStrategy<MaterialKind> {

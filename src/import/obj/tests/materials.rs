@@ -14,7 +14,7 @@ use crate::scene::{
 const TRIANGLE: &str = "mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
 const BLENDER: &str = "# Blender 5.0.1 MTL File: 'room.blend'\n# www.blender.org\n\n";
 
-fn png(texel: impl Fn(u32) -> [u8; 4]) -> Vec<u8> {
+pub(super) fn png(texel: impl Fn(u32) -> [u8; 4]) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     let picture = RgbaImage::from_fn(4, 4, |x, y| Rgba(texel(x + 4 * y)));
     picture.write_to(&mut bytes, ImageFormat::Png).unwrap();

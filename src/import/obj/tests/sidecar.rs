@@ -50,6 +50,35 @@ fn it_adds_what_obj_cannot_hold() {
     assert!(validate(&mut scene).is_ok() && complete(&mut scene).is_empty());
 }
 
+/// Guards that the pictures of a sidecar stay its own beside those of the material library.
+#[test]
+fn its_pictures_stand_behind_those_of_the_materials() {
+    let obj = format!("mtllib scene.mtl\n{OBJ}");
+    let mtl = "newmtl red\nKd 1 1 1\nnewmtl blue\nmap_Kd first.png\n";
+    let sidecar = "epsilux = 1\n[image]\nown = \"second.png\"\n\
+        [material]\nred = { principled = { base_color_texture = \"own\", normal_texture = \"own\", \
+        roughness_texture = \"own\" } }\n\
+        [environment]\nradiance = [1, 1, 1]\nimage = \"own\"\n";
+    let (scene, _) = try_load(&[
+        ("scene.obj", obj.as_bytes()),
+        ("scene.mtl", mtl.as_bytes()),
+        ("scene.epsilux.toml", sidecar.as_bytes()),
+        ("first.png", &materials::png(|_| [1; 4])),
+        ("second.png", &materials::png(|_| [2; 4])),
+    ])
+    .unwrap();
+    let file = |image: crate::scene::ImageId| scene.images[image.0 as usize].file.clone().unwrap_or_default();
+    let files = |name: &str| -> Vec<String> {
+        let material = scene.materials.iter().find(|m| m.name == name).unwrap();
+        let MaterialKind::Principled(p) = &material.kind else { panic!("{name}") };
+        p.textures.iter().map(|(_, t)| file(t.image)).collect()
+    };
+    assert_eq!(files("blue"), ["first.png"]);
+    assert_eq!(files("red"), ["second.png"; 3]);
+    let sky = scene.environment.as_ref().and_then(|e| e.image).unwrap();
+    assert_eq!(file(sky.image), "second.png");
+}
+
 /// Guards that the scene's own defaults still come where neither says anything.
 #[test]
 fn an_empty_one_changes_nothing() {
