@@ -14,6 +14,7 @@ pub mod cli;
 pub mod color;
 pub mod export;
 pub mod film;
+pub mod golden;
 pub mod guide;
 pub mod import;
 pub mod integrate;
