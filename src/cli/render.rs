@@ -280,7 +280,8 @@ impl Job {
             time: self.time,
             threads: self.threads,
             crop: self.crop,
-            features: !self.aovs.is_empty(),
+            features: self.aovs.iter().any(|a| *a != Aov::Layers),
+            layers: self.aovs.contains(&Aov::Layers),
         };
         let outcome = integrate::render(&prepared, &options, watch).map_err(|e| match e {
             RenderError::Crop { .. } => Failure::usage(format!("--crop: {e}")),
@@ -528,6 +529,7 @@ fn scene_hash(scene: &Scene) -> String {
 
 /// Drops the layers that were not asked for.
 fn keep_layers(image: &mut Image, aovs: &[Aov]) {
-    let wanted = |name: &str| aovs.iter().any(|a| name.split('.').next() == Some(a.group()));
+    let wanted =
+        |name: &str| aovs.iter().any(|a| name.split('.').next().is_some_and(|n| a.groups().contains(&n)));
     image.layers.retain(|l| l.channels.iter().any(|(name, _)| wanted(name)));
 }
