@@ -52,6 +52,10 @@ pub struct Finding {
     /// How far it is from the mean of the null runs, as a share: 0.01 is one per cent more. For a scalar, the
     /// difference.
     pub shift: f64,
+    /// The mean of the null runs.
+    pub expected: f64,
+    /// Standard error of the shift, in the same unit.
+    pub error: f64,
     /// Standard errors from the mean.
     pub z: f64,
     /// Probability of a value as far out on either side where nothing is wrong, for this statistic alone.
@@ -112,6 +116,19 @@ impl Null {
         Some(Self { statistics: family.statistics.iter().enumerate().map(of).collect() })
     }
 
+    /// What pilots let expect of [`FEWEST_RUNS`] null runs, before there are any; good for a forecast and not for a
+    /// verdict. `None` where they are not like each other.
+    #[must_use]
+    pub fn forecast(family: &Family, pilots: &[Planes]) -> Option<Self> {
+        let values: Vec<Vec<f64>> = pilots.iter().map(|r| family.values(r)).collect::<Option<_>>()?;
+        let of = |(k, statistic): (usize, &Statistic)| {
+            let own: Vec<f64> = values.iter().map(|v| v[k]).collect();
+            let one = NullStatistic::new(own, 0.0, statistic.scale(pilots));
+            NullStatistic { values: vec![one.mean; FEWEST_RUNS], skewness: 0.0, ..one }
+        };
+        Some(Self { statistics: family.statistics.iter().enumerate().map(of).collect() })
+    }
+
     /// Judges the mean of some runs; shifts up to `accepted` (a share) are not held against them. `None` where
     /// there are none, or they are not like the null runs.
     #[must_use]
@@ -125,7 +142,8 @@ impl Null {
             let accepted = if statistic.kind == Kind::Scalar { 0.0 } else { accepted * null.scale };
             let (z, p) = null.compare(value, values.len(), accepted);
             let shift = (value - null.mean) / null.scale;
-            Finding { statistic: statistic.clone(), shift, z, p, shared: p }
+            let error = null.error(values.len()) / null.scale;
+            Finding { statistic: statistic.clone(), shift, expected: null.mean, error, z, p, shared: p }
         };
         Some(Outcome::new(self.statistics.iter().zip(&family.statistics).enumerate().map(finding).collect()))
     }
@@ -141,7 +159,8 @@ impl Null {
             let d = value - null.mean;
             let z = if d == 0.0 { 0.0 } else { d / error };
             let p = if z.is_finite() { two_sided(z) } else { 0.0 };
-            Some(Finding { statistic: statistic.clone(), shift: d / null.scale, z, p, shared: p })
+            let (shift, error) = (d / null.scale, error / null.scale);
+            Some(Finding { statistic: statistic.clone(), shift, expected: null.mean, error, z, p, shared: p })
         };
         let findings: Vec<Finding> =
             self.statistics.iter().zip(&family.statistics).filter_map(finding).collect();
@@ -197,10 +216,15 @@ impl NullStatistic {
         let d = value - self.mean;
         let d = (d.abs() - accepted).max(0.0).copysign(d);
         let (n, m) = (self.values.len() as f64, runs.max(1) as f64);
-        let t = d / (self.deviation * (1.0 / m + 1.0 / n).sqrt());
+        let t = d / self.error(runs);
         let tail = 0.5 * student_two_sided(t, n - 1.0);
         let normal = normal_quantile(tail.clamp(f64::MIN_POSITIVE, 0.5)).abs().copysign(t);
         (t, skewed_two_sided(normal, self.skewness / m.sqrt()).max(0.0))
+    }
+
+    /// Standard error of the difference between the mean of some runs and that of the null runs.
+    fn error(&self, runs: usize) -> f64 {
+        self.deviation * (1.0 / runs.max(1) as f64 + 1.0 / self.values.len() as f64).sqrt()
     }
 
     /// The shift that the mean of `runs` runs shows with a probability of 99 % at this significance, on the side
@@ -208,7 +232,7 @@ impl NullStatistic {
     fn smallest_shift(&self, runs: usize, significance: f64) -> f64 {
         /// Quantile of a power of 99 %.
         const POWER: f64 = 2.326;
-        let error = self.deviation * (1.0 / runs.max(1) as f64 + 1.0 / self.values.len() as f64).sqrt();
+        let error = self.error(runs);
         let p = |t: f64| self.compare(self.mean + t.copysign(self.skewness) * error, runs, 0.0).1;
         let (mut low, mut high) = (0.0, 4.0);
         while p(high) > significance && high < 1e6 {
