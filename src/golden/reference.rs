@@ -120,6 +120,12 @@ impl Reference {
     /// # Errors
     /// A number is not finite.
     pub fn to_files(&self) -> Result<(Image, String), ReferenceError> {
+        let finite = |n: &NullStatistic| {
+            [n.mean, n.deviation, n.skewness, n.scale, n.linear[0], n.linear[1]].iter().all(|v| v.is_finite())
+        };
+        if !self.null.statistics.iter().all(finite) {
+            return Err(ReferenceError::Mismatch("a statistic of the runs is not a number".to_owned()));
+        }
         let mut image = self.image.clone();
         let plane = |prefix: &str, name: &str, values: &[f32]| Layer {
             channels: vec![(format!("{prefix}{name}"), values.to_vec())],

@@ -2,6 +2,7 @@
 
 mod blender;
 mod gltf;
+mod golden;
 mod report_plot;
 mod tidy;
 
@@ -22,6 +23,7 @@ struct Arguments {
 enum Chore {
     Blender(blender::Arguments),
     GltfValidate(gltf::Arguments),
+    Golden(golden::Arguments),
     ReportPlot(report_plot::Arguments),
     Tidy(tidy::Arguments),
 }
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().chore {
         Chore::Blender(arguments) => blender::run(&arguments),
         Chore::GltfValidate(arguments) => gltf::run(&arguments),
+        Chore::Golden(arguments) => golden::run(&arguments),
         Chore::ReportPlot(arguments) => report_plot::run(&arguments),
         Chore::Tidy(arguments) => tidy::run(&arguments),
     };

@@ -88,7 +88,7 @@ pub(super) struct JudgeArgs {
     pub(super) suite: SuiteArgs,
 
     /// Runs under test; their mean is judged, so four times as many see half the change
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(2..=1024))]
     pub(super) runs: u32,
 
     /// Take new seeds instead of the fixed ones, or those of an earlier --fresh; for nightly tests

@@ -12,6 +12,10 @@ pub const FEWEST_RUNS: usize = 64;
 /// Skewness beyond which a curve fitted to 64 runs says nothing any more.
 const MOST_SKEW: f64 = 4.0;
 
+/// Deviations beyond which a run under test says no more about the mean of several: what only one of them met is
+/// rare, what all of them show is wrong. (Tukey and McLaughlin, Sankhya A 25, 1963: Winsorized means.)
+const MOST_DEVIATIONS: f64 = 5.0;
+
 /// What single precision may do to a statistic, as a share of its scale: on another machine the last bits of
 /// a pixel may differ. Where runs differ by less than this, they do not differ.
 const ROUNDING: f64 = 2e-6;
@@ -128,10 +132,11 @@ impl Null {
         let values: Vec<Vec<f64>> = runs.iter().map(|r| family.values(r)).collect::<Option<_>>()?;
         let of = |(k, statistic): (usize, &Statistic)| {
             let own: Vec<f64> = values.iter().map(|v| v[k]).collect();
-            NullStatistic {
-                linear: linear(statistic, runs),
-                ..NullStatistic::new(own, statistic.third_moment(runs), statistic.scale(runs))
+            let null = NullStatistic::new(own, statistic.third_moment(runs), statistic.scale(runs));
+            if statistic.kind == Kind::Scalar {
+                return null;
             }
+            NullStatistic { linear: linear(statistic, runs), ..null }
         };
         Some(Self { statistics: family.statistics.iter().enumerate().map(of).collect() })
     }
@@ -149,7 +154,7 @@ impl Null {
         Some(Self { statistics: family.statistics.iter().enumerate().map(of).collect() })
     }
 
-    /// Judges the mean of some runs; shifts up to `accepted` (a share) are not held against them. `None` where
+    /// Judges the mean of some runs, two at least if rare light is not to be called an error; shifts up to `accepted` (a share) are not held against them. `None` where
     /// there are none, or they are not like the null runs.
     #[must_use]
     pub fn test(&self, family: &Family, runs: &[Planes], accepted: f64) -> Option<Outcome> {
@@ -161,9 +166,16 @@ impl Null {
             if is_merged(null, statistic) {
                 return None;
             }
-            let value = values.iter().map(|v| v[k]).sum::<f64>() / values.len() as f64;
             let accepted = if statistic.kind == Kind::Scalar { 0.0 } else { accepted * null.scale };
-            let (z, p) = null.compare(value, values.len(), accepted);
+            let limit = MOST_DEVIATIONS * null.deviation + accepted;
+            let mean =
+                |of: &dyn Fn(f64) -> f64| values.iter().map(|v| of(v[k])).sum::<f64>() / values.len() as f64;
+            let value = mean(&|v| v);
+            let limited = mean(&|v| null.mean + (v - null.mean).clamp(-limit, limit));
+            let z = null.compare(value, values.len(), accepted).0;
+            // A single run has nobody to disagree with.
+            let judged = if values.len() > 1 { limited } else { value };
+            let p = if value.is_finite() { null.compare(judged, values.len(), accepted).1 } else { 0.0 };
             let shift = (value - null.mean) / null.scale;
             let error = null.error(values.len()) / null.scale;
             Some(Finding { statistic: statistic.clone(), shift, expected: null.mean, error, z, p, shared: p })

@@ -151,3 +151,25 @@ fn runs_that_are_not_alike_are_refused() {
     assert_eq!(family.values(&other), None);
     assert_eq!(Null::new(&family, &vec![run; FEWEST_RUNS - 1]), None);
 }
+
+/// Guards against the worst false alarm of image tests: light that no null run met. One bright pixel in one of four
+/// runs is no error; the same pixel in all of them is one.
+#[test]
+fn what_one_run_meets_is_rare_and_what_all_meet_is_wrong() {
+    let mut made = Made::new(200.0, 11);
+    let (family, null) = made.referee(32, FEWEST_RUNS);
+    let mut runs: Vec<Planes> = (0..4).map(|_| made.run(1.0, |_, _| true)).collect();
+    let sound = null.test(&family, &runs, 0.0).expect("runs like the others").p;
+    let firefly = |run: &mut Planes| run.planes[0].1[5 * SIDE + 20] *= 1000.0;
+    firefly(&mut runs[0]);
+    let one = null.test(&family, &runs, 0.0).expect("runs like the others").p;
+    assert!(sound > 0.01 && one > 0.01, "{sound} {one}");
+    // All pixels of a tile, so that no bound on one pixel hides it.
+    let mut wrong: Vec<Planes> = (0..4).map(|_| made.run(1.5, |x, y| x < 8 && y < 8)).collect();
+    let all = null.test(&family, &wrong, 0.0).expect("runs like the others");
+    assert!(all.p < 1e-6, "{}", all.p);
+    wrong.truncate(1);
+    wrong.extend((0..3).map(|_| made.run(1.0, |_, _| true)));
+    let once = null.test(&family, &wrong, 0.0).expect("runs like the others");
+    assert!(once.p > all.p, "{} {}", once.p, all.p);
+}
