@@ -15,6 +15,7 @@ use crate::accel::{Hit, PrimitiveId, RayKind};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
 use crate::light::LightContext;
+use crate::mutants::planted;
 use crate::prepare::{Detail, Effect, Effects, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
@@ -83,7 +84,7 @@ pub(super) fn li<const FX: u32>(
         eta_scale: 1.0,
     };
     while let Next::Continue = step::<FX>(scene, &address, &mut path, counters) {}
-    path.radiance
+    planted!(clamp(path.radiance))
 }
 
 /// From one vertex to the next.
@@ -150,9 +151,9 @@ fn step<const FX: u32>(
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
         };
-        path.radiance += path.beta * le * weight;
+        path.radiance += path.beta * planted!(light_energy(le)) * weight;
     }
-    if scene.max_depth.is_some_and(|cap| path.depth >= cap) {
+    if scene.max_depth.is_some_and(|cap| path.depth >= planted!(depth_off_by_one(cap))) {
         return Next::Done;
     }
     if path.depth >= FAR_CAP {
@@ -197,7 +198,7 @@ fn step<const FX: u32>(
     else {
         return Next::Done;
     };
-    path.beta *= sample.weight;
+    path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
     path.eta_scale *= sample.eta * sample.eta;
     if fx.has(Effect::Absorption) && context.crosses(wi) {
         path.medium = beyond;
@@ -325,7 +326,7 @@ fn free_lights<const FX: u32>(scene: &Prepared, path: &mut PathState, t_max: f32
         {
             beta *= interior(scene, medium, Vec3::distance(hit.p, path.ray.o));
         }
-        sum += beta * hit.radiance * weight;
+        sum += beta * planted!(light_energy(hit.radiance)) * weight;
     });
     path.radiance += sum;
 }
