@@ -109,7 +109,7 @@ pub(crate) fn same_seed(replication: u32) -> u32 {
     spoil(Mutant::SameSeed, replication, |replication| replication & !1)
 }
 
-/// The radiance of a sample.
+/// What a path adds to its radiance at one vertex.
 #[inline]
 pub(crate) fn clamp(radiance: Rgb) -> Rgb {
     spoil(Mutant::Clamp, radiance, |radiance| radiance.map(|v| v.min(10.0)))

@@ -30,7 +30,7 @@ pub enum Mutant {
     NdfPdf,
     /// Replications that are not independent.
     SameSeed,
-    /// Bright samples are cut.
+    /// Light that is bright is cut.
     Clamp,
     /// Pixels show what is beside them.
     FilterShift,
@@ -133,13 +133,13 @@ impl Mutant {
                 "each even replication and the odd one after it draw the same random numbers",
                 &["error", "noise"],
             ),
-            Self::Clamp => ("clamp", "no channel of a sample exceeds 10 W sr^-1 m^-2", &["matched", "peaks"]),
+            Self::Clamp => {
+                ("clamp", "light that a path finds counts as 10 W sr^-1 m^-2 at most", &["matched", "peaks"])
+            }
             Self::FilterShift => {
                 ("filter-shift", "camera rays pass half a pixel to the right and below", &["tile"])
             }
-            Self::GammaTwice => {
-                ("gamma-twice", "eight-bit pictures pass the sRGB curve twice", &["export round trip"])
-            }
+            Self::GammaTwice => ("gamma-twice", "eight-bit pictures pass the sRGB curve twice", &["export"]),
             Self::NanBlack => {
                 ("nan-black", "the film counts a sample that is not a number as black", &["film"])
             }
