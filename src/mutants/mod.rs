@@ -5,7 +5,7 @@
 //! need not look further.
 //!
 //! Built with `--cfg epsilux_mutants` the same words call the function `name` of `faults`, which spoils `x`
-//! where the environment variable `EPSILUX_MUTANT` names its [`Mutant`], and leaves it alone otherwise. `list`
+//! where the environment variable `EPSILUX_MUTANT` names its `Mutant`, and leaves it alone otherwise. `list`
 //! says which there are, what each does and which gate has to notice; `cargo xtask golden mutate` goes through
 //! them. The invariant: no release has any of it, since this does not compile without debug assertions.
 
