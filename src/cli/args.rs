@@ -51,6 +51,7 @@ pub(super) enum Command {
     Info(InfoArgs),
     Convert(ConvertArgs),
     Compare(CompareArgs),
+    Golden(super::golden::GoldenArgs),
     Demo(DemoArgs),
     /// Print the JSON Schema of the scene's text form, for editors
     #[command(after_help = "\

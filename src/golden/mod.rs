@@ -13,7 +13,9 @@
 //! Sources: [`gate`](crate::stats::gate) names those of its statistics. Works badly for pictures that a
 //! run sees by a handful of samples: the page says which shift each statistic notices.
 
+mod blessing;
 mod checks;
+mod page;
 mod record;
 mod reference;
 mod run;
@@ -22,6 +24,8 @@ mod verdict;
 mod verify;
 mod words;
 
+pub use blessing::account;
+pub use page::{About, page};
 pub use record::{Forecast, PILOTS, RecordError, Step, Watch, record};
 pub use reference::{Found, Reference, ReferenceError, SCHEMA, Stage};
 pub use run::{Role, Run, RunError, Subject, seed};
@@ -31,6 +35,12 @@ pub use verify::{VerifyOptions, verify, verify_picture};
 
 /// Probability that a whole suite is refused although nothing is wrong; its scenes share it.
 pub const SIGNIFICANCE: f64 = 1e-3;
+
+/// What is noticed with a probability of 99 % where `runs` runs are verified at this significance.
+#[must_use]
+pub fn power_of(reference: &Reference, runs: usize, significance: f64) -> Vec<Power> {
+    record::power(&reference.family, &reference.null, runs, significance)
+}
 
 /// The planes of a run, in the order in which they are told.
 const PLANES: [&str; 9] =
