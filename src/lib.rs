@@ -20,6 +20,10 @@ pub mod import;
 pub mod integrate;
 pub mod light;
 pub mod math;
+#[cfg(epsilux_mutants)]
+pub mod mutants;
+#[cfg(not(epsilux_mutants))]
+mod mutants;
 pub mod output;
 pub mod prepare;
 pub mod report;

@@ -10,6 +10,7 @@ use super::fresnel::{dielectric, refract};
 use super::tables::Albedo;
 use super::{Transport, ggx};
 use crate::color::Rgb;
+use crate::mutants::planted;
 
 /// The rough counterpart of [`super::Glass`].
 #[derive(Clone, Debug)]
@@ -90,7 +91,9 @@ impl RoughDielectric {
         // value carries 1 / eta^2 for radiance.
         let root = cos_o + t.eta * cos_i;
         let jacobian = -cos_i / (root * root);
-        let f = self.tint * ((1.0 - r) * d * g2 * cos_o * jacobian * scale / (t.wo.z * -t.wi.z * t.total));
+        let f = self.tint
+            * ((1.0 - r) * d * g2 * cos_o * jacobian * planted!(eta_squared(scale, t.eta))
+                / (t.wo.z * -t.wi.z * t.total));
         let pdf = (1.0 - r) * d * cos_o / ((1.0 + lambda_o) * t.wo.z) * jacobian * t.eta * t.eta;
         (f, pdf)
     }

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::color::Rgb;
 use crate::math::{pow5, sqr};
+use crate::mutants::planted;
 
 /// Reflectance of a dielectric boundary, exact; `cos_i` in [0, 1] is the cosine on the incident side
 /// and `eta` = n_transmitted / n_incident. Also returns the cosine on the other side, which is zero
@@ -21,7 +22,7 @@ pub fn dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
     let inv = 1.0 / f64::from(eta);
     let sin_t = (1.0 - sqr64(f64::from(cos_i))).sqrt() * inv;
     let cos2_t = ((1.0 - sin_t) * (1.0 + sin_t)) as f32;
-    if cos2_t <= 0.0 {
+    if planted!(fresnel_angle(cos2_t <= 0.0, sin_t, eta)) {
         return (1.0, 0.0);
     }
     let cos_t = cos2_t.sqrt();

@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::fresnel::{dielectric, refract};
 use super::{BsdfSample, Transport};
 use crate::color::Rgb;
+use crate::mutants::planted;
 
 /// Reflects and refracts as Fresnel and Snell have it; the front side is outside.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +45,8 @@ impl Glass {
             Transport::Radiance => 1.0 / (eta * eta),
             Transport::Importance => 1.0,
         };
-        BsdfSample { wi, weight: self.tint * scale, pdf: 1.0 - r, delta: true, eta }.checked()
+        let weight = self.tint * planted!(eta_squared(scale, eta));
+        BsdfSample { wi, weight, pdf: 1.0 - r, delta: true, eta }.checked()
     }
 }
 

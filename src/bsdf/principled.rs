@@ -17,6 +17,7 @@ use super::layers::{Coat, Sheen};
 use super::tables::Albedo;
 use super::{BsdfSample, Diffuse, Glass, SMOOTH_ALPHA, Transport, ggx, same_side};
 use crate::color::Rgb;
+use crate::mutants::planted;
 
 /// The dielectric specular layer.
 #[derive(Clone, Debug)]
@@ -279,7 +280,7 @@ impl Principled {
                     let (lo, li) = (ggx::lambda(wo, self.alpha), ggx::lambda(wi, self.alpha));
                     let d = ggx::d(m, self.alpha);
                     f += self.reflectance(wo.dot(m), s) * (d * ggx::g2(lo, li) / (4.0 * wo.z * wi.z));
-                    pdf += s.reflect * d / (4.0 * wo.z * (1.0 + lo));
+                    pdf += planted!(ndf_pdf(s.reflect * d / (4.0 * wo.z * (1.0 + lo)), wo, m, lo));
                 }
             }
         }

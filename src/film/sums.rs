@@ -2,6 +2,7 @@
 
 use super::{FixedPoint, Image, Layer, LightLayer};
 use crate::color::Rgb;
+use crate::mutants::planted;
 
 /// What a film accumulates.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,7 +135,7 @@ impl Film {
     /// # Errors
     /// The reason, where the sample is not a radiance; it is then counted and leaves no other trace.
     pub fn add(&mut self, pixel: usize, pass: u32, sample: &Sample) -> Result<(), Refusal> {
-        let c = sample.radiance.to_array();
+        let c = planted!(nan_black(sample.radiance.to_array()));
         let format = self.layout.radiance;
         let refusal = if c.iter().any(|v| v.is_nan()) {
             Some(Refusal::NotANumber)

@@ -6,6 +6,7 @@ use crate::accel::PrimitiveId;
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
 use crate::light::{LightContext, LightSample};
+use crate::mutants::planted;
 use crate::prepare::{Detail, Effect, Effects, Prepared};
 use crate::shape::{Ray, offset_origin};
 
@@ -42,7 +43,7 @@ pub(super) fn direct_light<const FX: u32>(
         return Rgb::BLACK;
     };
     let weight = if light.delta { 1.0 } else { mis_weight(light.pdf, pdf) };
-    let cos = light.wi.dot(frame.ns()).abs();
+    let cos = planted!(cosine_dropped(light.wi.dot(frame.ns()).abs()));
     let mut ld = f * light.weight * (cos * weight);
     if const {
         let fx = Effects(FX);

@@ -16,6 +16,7 @@ use crate::bsdf::Transport;
 use crate::color::Rgb;
 use crate::film::LightLayer;
 use crate::light::LightContext;
+use crate::mutants::planted;
 use crate::prepare::{Detail, Effect, Effects, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
@@ -118,7 +119,8 @@ impl PathState {
 
     /// Adds light that the path met on its way.
     #[inline(always)]
-    fn meet<const LAYERS: bool>(&mut self, radiance: Rgb) {
+    fn meet<const LAYERS: bool>(&mut self, found: Rgb) {
+        let radiance = planted!(clamp(found));
         self.radiance += radiance;
         if LAYERS {
             let layer = match (self.depth, &self.sampled) {
@@ -134,7 +136,8 @@ impl PathState {
 
     /// Adds light that was sampled at a vertex that has a spread.
     #[inline(always)]
-    fn lit<const LAYERS: bool>(&mut self, radiance: Rgb) {
+    fn lit<const LAYERS: bool>(&mut self, found: Rgb) {
+        let radiance = planted!(clamp(found));
         self.radiance += radiance;
         if LAYERS {
             let layer = match self.depth {
@@ -211,9 +214,9 @@ fn step<const FX: u32, const LAYERS: bool>(
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
         };
-        path.meet::<LAYERS>(path.beta * le * weight);
+        path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight);
     }
-    if scene.max_depth.is_some_and(|cap| path.depth >= cap) {
+    if scene.max_depth.is_some_and(|cap| path.depth >= planted!(depth_off_by_one(cap))) {
         return Next::Done;
     }
     if path.depth >= FAR_CAP {
@@ -258,7 +261,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     else {
         return Next::Done;
     };
-    path.beta *= sample.weight;
+    path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
     path.eta_scale *= sample.eta * sample.eta;
     if fx.has(Effect::Absorption) && context.crosses(wi) {
         path.medium = beyond;
@@ -390,7 +393,7 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
         {
             beta *= interior(scene, medium, Vec3::distance(hit.p, path.ray.o));
         }
-        sum += beta * hit.radiance * weight;
+        sum += beta * planted!(light_energy(hit.radiance)) * weight;
     });
     path.meet::<LAYERS>(sum);
 }

@@ -1,6 +1,7 @@
 //! Russian roulette.
 
 use crate::color::Rgb;
+use crate::mutants::planted;
 
 /// Scattering events before roulette starts. Four with the square root below had the smallest product of
 /// rays and squared error on cornell at 64 samples; tried were also 3 and 5 with the square root, 2 and 5
@@ -22,7 +23,7 @@ pub(super) fn survive(beta: Rgb, eta_scale: f32, depth: u32, u: f32) -> Option<f
         return Some(1.0);
     }
     let q = q.sqrt();
-    (u < q).then_some(1.0 / q)
+    (u < q).then_some(planted!(roulette_uncompensated(1.0 / q)))
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::{Ellipse, LightContext, Panorama, Rectangle, SphereLight, SurfaceSamp
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::Frame;
+use crate::mutants::planted;
 use crate::sampling::warp::{
     SQUARE_TO_SPHERE_PDF, square_to_cone, square_to_cone_pdf, square_to_cosine_hemisphere,
     square_to_cosine_hemisphere_pdf, square_to_sphere,
@@ -300,13 +301,13 @@ impl LightSet {
             | Emitter::Environment { .. }
             | Emitter::Panorama { .. } => 0.0,
         };
-        density * self.pick.pmf(ctx.p, light.0 as usize)
+        planted!(mis_measure(density, ctx.p, q, n)) * self.pick.pmf(ctx.p, light.0 as usize)
     }
 
     /// One light, by what it could contribute (`u[0]`), and a direction towards it.
     #[must_use]
     pub fn sample(&self, ctx: &LightContext, u: [f32; 3]) -> Option<LightSample> {
-        let (i, pmf) = self.pick.sample(ctx.p, u[0])?;
+        let (i, pmf) = planted!(light_dropped(self.pick.sample(ctx.p, u[0]), self.emitters.len()))?;
         let uv = [u[1], u[2]];
         let emitter = &self.emitters[i];
         if emitter.is_flat_under(ctx.from) {
@@ -563,7 +564,7 @@ fn surface(
     let to = offset_origin(s.p, s.p_err, s.n, -wi);
     let d = to - from;
     let shadow_ray = Ray { o: from, d: d.try_normalize()?, t_max: d.length() };
-    let weight = radiance * (factor / pdf);
+    let weight = planted!(light_energy(radiance)) * (factor / pdf);
     (pdf.is_finite() && factor > 0.0).then_some(LightSample {
         wi,
         weight,

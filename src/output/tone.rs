@@ -11,6 +11,7 @@
 
 use crate::color::{Rgb, Srgb8, linear_to_srgb};
 use crate::math;
+use crate::mutants::planted;
 use crate::scene::ToneCurve;
 
 /// Radiance to a displayable pixel.
@@ -41,7 +42,7 @@ impl Tone {
     /// The eight-bit colour of a finite radiance.
     #[must_use]
     pub fn to_srgb8(&self, radiance: Rgb) -> Srgb8 {
-        Srgb8(self.encode(radiance).to_array().map(to_byte))
+        Srgb8(planted!(gamma_twice(self.encode(radiance))).to_array().map(to_byte))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
+use crate::mutants::planted;
 use crate::scene::{Camera, FovAxis, Projection};
 use crate::shape::Ray;
 
@@ -54,8 +55,8 @@ impl CameraRays {
     #[inline]
     #[must_use]
     pub fn ray(&self, pixel: [u32; 2], offset: [f32; 2], lens: impl FnOnce() -> Vec2) -> Ray {
-        let x = (f64::from(pixel[0]) + f64::from(offset[0])) / self.size[0] - 0.5;
-        let y = 0.5 - (f64::from(pixel[1]) + f64::from(offset[1])) / self.size[1];
+        let x = (f64::from(pixel[0]) + f64::from(planted!(filter_shift(offset[0])))) / self.size[0] - 0.5;
+        let y = 0.5 - (f64::from(pixel[1]) + f64::from(planted!(filter_shift(offset[1])))) / self.size[1];
         let x = x * self.extent[0] + self.shift[0];
         let y = y * self.extent[1] + self.shift[1];
         let (mut o, mut d) = if self.orthographic {

@@ -6,6 +6,7 @@ use rand::rand_core::TryRng;
 
 use super::sobol;
 use crate::math::mix64;
+use crate::mutants::planted;
 
 /// What a random number is for. Append only: the number of a purpose is part of every address, and
 /// with it of every picture.
@@ -43,7 +44,7 @@ impl Address {
     #[must_use]
     pub fn new(seed: u64, pixel: u64, replication: u32, index: u32) -> Self {
         let key = mix64(mix64(seed ^ 0x6570_7369_6c75_7821) ^ pixel);
-        Self { key: mix64(key ^ (u64::from(replication) << 32 | 0x7265_706c)), index }
+        Self { key: mix64(key ^ (u64::from(planted!(same_seed(replication))) << 32 | 0x7265_706c)), index }
     }
 
     /// Branch `j` of `m` of a split path: each branch is a sample of a sequence m times as dense.

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::mutants::planted;
+
 /// A half line, or the part of it up to `t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
@@ -39,6 +41,6 @@ impl Ray {
 #[inline]
 #[must_use]
 pub fn offset_origin(p: Vec3, p_err: Vec3, ng: Vec3, w: Vec3) -> Vec3 {
-    let step = ng.abs().dot(p_err);
+    let step = planted!(origin_offset(ng.abs().dot(p_err)));
     p + ng * step.copysign(w.dot(ng))
 }
