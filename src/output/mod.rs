@@ -12,6 +12,7 @@ mod texels;
 mod tone;
 
 pub use atomic::write_bytes;
+pub use picture::encode_png;
 pub use read::{ReadImageError, read, read_exr};
 pub use texels::encode_pixels;
 pub use tone::Tone;
@@ -178,7 +179,7 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<(), W
     check_values(image, path)?;
     let bytes = match format {
         Format::Exr => exr::encode(image),
-        Format::Png => picture::encode_png(image, &options.tone),
+        Format::Png => encode_png(image, &options.tone),
         Format::Bmp => picture::encode_bmp(image, &options.tone),
         Format::Hdr => picture::encode_hdr(image),
     }
