@@ -70,7 +70,11 @@ fn outcome(verifications: &[Verification]) -> String {
         (n > 0).then(|| format!("{n} {}", verdict.word()))
     });
     let parts: Vec<String> = parts.into_iter().flatten().collect();
-    if parts.is_empty() { "no scene was verified".into() } else { format!("{n} {scenes}: {}", parts.join(", ")) }
+    if parts.is_empty() {
+        "no scene was verified".into()
+    } else {
+        format!("{n} {scenes}: {}", parts.join(", "))
+    }
 }
 
 /// A verdict as a mark and a word.

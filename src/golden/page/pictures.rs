@@ -42,6 +42,21 @@ pub(super) fn exposure(pixels: &[Rgb]) -> f32 {
     stops.clamp(-100.0, 100.0)
 }
 
+/// The same for a part of the light, which may be a small bright spot with long tails: half of its light comes
+/// from pixels that become brighter than a middle grey.
+fn exposure_of_part(pixels: &[Rgb]) -> f32 {
+    let mut lit: Vec<f32> =
+        pixels.iter().map(|c| c.luminance()).filter(|l| l.is_finite() && *l > 0.0).collect();
+    lit.sort_by(f32::total_cmp);
+    let all: f64 = lit.iter().map(|&l| f64::from(l)).sum();
+    let mut below = 0.0;
+    let half = lit.into_iter().find(|&l| {
+        below += f64::from(l);
+        below >= 0.5 * all
+    });
+    half.map_or(0.0, |l| (libm::log2f(0.4) - libm::log2f(l)).clamp(-100.0, 100.0))
+}
+
 /// Pixels as a picture: an `img` element, or why there is none.
 fn img(width: usize, height: usize, pixels: Vec<Rgb>, stops: f32, alt: &str) -> String {
     let rgb = pixels.into_iter().map(|c| if c.is_finite() { c } else { ODD * libm::exp2f(-stops) }).collect();
@@ -95,14 +110,19 @@ pub(super) fn differences(z: &[f32], width: usize, squares: &[Square], scene: &s
     let pixels = figure(
         &map(width, height, &fine, "signed difference"),
         "Difference",
-        "over its standard error, each pixel",
+        "in luminance, over its standard error",
     );
     // Blocks of a picture whose sides they do not divide would be drawn too large at its edges.
     if width % BLOCK != 0 || height % BLOCK != 0 {
         return pixels;
     }
     let name = format!("{BLOCK}\u{d7}{BLOCK} blocks");
-    pixels + &figure(&map(w, h, &coarse, "signed difference of blocks"), &name, "the same, summed, over 8")
+    pixels
+        + &figure(
+            &map(w, h, &coarse, "signed difference of blocks"),
+            &name,
+            "sums of it, over their standard error",
+        )
 }
 
 /// Deviations summed over blocks, over the square root of the number of pixels: deviations again, where pixels
@@ -159,9 +179,8 @@ pub(super) fn legend() -> String {
         let z = (2.0 * i as f64 / (SWATCHES - 1) as f64 - 1.0) * MOST;
         let [r, g, b] = scale(z).to_array().map(|v| (v * 255.0 + 0.5) as u8);
         let x = 8.0 * i as f64;
-        svg += &format!(
-            "<rect x=\"{x}\" y=\"0\" width=\"8.2\" height=\"14\" fill=\"#{r:02x}{g:02x}{b:02x}\"/>"
-        );
+        svg +=
+            &format!("<rect x=\"{x}\" y=\"0\" width=\"8.2\" height=\"14\" fill=\"#{r:02x}{g:02x}{b:02x}\"/>");
     }
     for z in [-4, -2, 0, 2, 4] {
         let x = 132.0 + f64::from(z) * 31.0;
@@ -183,7 +202,7 @@ pub(super) fn layers(reference: &Image, image: Option<&Image>, scene: &str) -> S
         if was.max(is.unwrap_or(0.0)) <= NEXT_TO_NOTHING * whole {
             continue;
         }
-        let stops = exposure(if was > 0.0 { &before } else { after.as_ref().unwrap_or(&before) });
+        let stops = exposure_of_part(if was > 0.0 { &before } else { after.as_ref().unwrap_or(&before) });
         let share = if whole > 0.0 { percent(was / whole) + " of the light" } else { String::new() };
         let pair = img(w, h, before, stops, &format!("{scene}: {name} light of the reference"));
         let (other, moved) = match (after, is) {
@@ -234,6 +253,13 @@ mod tests {
         let mut mixed = grey(0.5);
         mixed.extend([Rgb::BLACK, Rgb::grey(f32::NAN)].repeat(100));
         assert_eq!(exposure(&mixed), exposure(&grey(0.5)));
+        assert!((exposure_of_part(&mixed) - libm::log2f(0.8)).abs() < 1e-6);
+        let mut spot = vec![Rgb::grey(1e-4); 5000];
+        spot.extend(grey(2.0));
+        assert!(
+            (exposure_of_part(&spot) - libm::log2f(0.2)).abs() < 1e-6,
+            "the tail of a spot does not count"
+        );
     }
 
     /// The scale is blue below, orange above, near white between, and ends at four deviations.

@@ -11,8 +11,8 @@ const HEIGHT: f64 = 290.0;
 /// Edges of the area between the axes.
 const LEFT: f64 = 50.0;
 const RIGHT: f64 = 388.0;
-const TOP: f64 = 12.0;
-const BOTTOM: f64 = 244.0;
+const TOP: f64 = 30.0;
+const BOTTOM: f64 = 246.0;
 
 /// What a plot spans: x and y of its corners, in the numbers that are plotted (logarithms, where an axis is
 /// logarithmic).
@@ -89,7 +89,7 @@ pub(super) struct Plot<'a> {
     pub(super) y_ticks: Vec<(f64, String)>,
     /// What is along it.
     pub(super) x_label: &'a str,
-    /// The same, written above the axis's upper end.
+    /// The same, written above the axis's upper end, where it is read without turning one's head.
     pub(super) y_label: &'a str,
     /// What stands between the axes, as SVG.
     pub(super) marks: String,
@@ -125,11 +125,7 @@ impl Plot<'_> {
             "<text class=\"name\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{}</text>",
             Text(self.x_label)
         ));
-        let (x, y) = (13.0, (TOP + BOTTOM) / 2.0);
-        add(format!(
-            "<text class=\"name\" transform=\"translate({x} {y}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            Text(self.y_label)
-        ));
+        add(format!("<text class=\"name\" x=\"2\" y=\"{}\">{}</text>", TOP - 14.0, Text(self.y_label)));
         svg + "</svg>\n"
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Where nothing is wrong, p-values are uniform, and the k-th smallest of n is about (k - 1/2) / n: dots lie
 //! along the diagonal. (Statistics share pixels, so the dots move together, and may leave it for a while.)
-//! What lies above the threshold is what refuses a scene.
+//! What lies above the threshold is not chance.
 
 use super::plot::{Area, Plot};
 use super::text::{power_of_ten, probability};
@@ -31,7 +31,7 @@ pub(super) fn plot(outcome: &Outcome, significance: f64) -> Option<String> {
     let end = right.min(top);
     let mut marks = area.line("guide", [[0.0, 0.0], [end, end]]);
     marks += &area.line("limit", [[0.0, limit], [right, limit]]);
-    marks += &area.label("limit", [0.0, limit], [6.0, -6.0], "start", "refused above this line");
+    marks += &area.label("limit", [0.0, limit], [6.0, -6.0], "start", "threshold");
     for (k, finding) in outcome.findings.iter().enumerate().rev() {
         let expected = -libm::log10((k as f64 + 0.5) / n as f64);
         let y = observed(finding.p);

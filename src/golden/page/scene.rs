@@ -1,9 +1,9 @@
 //! One scene of a page: what it guards, how it fared and why, pictures, plots, tables, commands.
 
 use super::pictures::{self, Square};
-use super::text::{Text, change, count, percent, probability, seconds};
+use super::text::{Text, count, percent, probability, seconds, signed};
 use super::{badge, curve, findings, quantiles};
-use crate::golden::{Verdict, Verification};
+use crate::golden::{Check, Power, Reason, Verdict, Verification};
 use crate::stats::gate::{Kind, Outcome};
 
 /// Tiles that are outlined, at most.
@@ -14,7 +14,7 @@ pub(super) fn section(v: &Verification, id: &str) -> String {
     let open = if v.verdict == Verdict::Passed { "" } else { " open" };
     format!(
         "<section class=\"scene {}\">\n<details{open}>\n<summary><h2>{}</h2> {} <span class=\"gist\">{}</span>\
-         </summary>\n<div class=\"body\" id=\"{id}\">\n{}{}{}{}{}{}{}</div>\n</details>\n</section>\n",
+         </summary>\n<div class=\"body\" id=\"{id}\">\n{}{}{}{}{}<div class=\"tables\">\n{}{}</div>\n{}</div>\n</details>\n</section>\n",
         v.verdict.word(),
         Text(&v.name),
         badge(v.verdict),
@@ -25,6 +25,7 @@ pub(super) fn section(v: &Verification, id: &str) -> String {
         plots(v),
         tables(v),
         facts(v),
+        checks(v),
         commands(v)
     )
 }
@@ -53,21 +54,10 @@ pub(super) fn notices(v: &Verification) -> Option<(String, &str)> {
 }
 
 fn reasons(v: &Verification) -> String {
-    let item = |r: &crate::golden::Reason| {
+    let item = |r: &Reason| {
         let class = if r.better { "better" } else { "worse" };
         let gate = if r.message.contains(&r.gate) { "" } else { r.gate.as_str() };
         format!("<li class=\"{class}\"><b>{}</b> <span>{}</span></li>\n", Text(&r.message), Text(gate))
-    };
-    // A scene that passed has checks that hold; they are listed where something needs a look.
-    let check = |c: &crate::golden::Check| {
-        let (class, mark, says) =
-            if c.holds { ("holds", "\u{2713}", "holds") } else { ("fails", "\u{2717}", "fails") };
-        format!(
-            "<li class=\"{class}\"><span class=\"mark\" role=\"img\" aria-label=\"{says}\">{mark}</span> \
-             <b>{}</b> <span>{}</span></li>\n",
-            Text(c.name),
-            Text(&c.message)
-        )
     };
     let mut html = format!("<p class=\"guards\">{}</p>\n", Text(&v.guards));
     if !v.reasons.is_empty() {
@@ -77,16 +67,29 @@ fn reasons(v: &Verification) -> String {
             v.reasons.iter().map(item).collect::<String>()
         );
     }
-    if !v.checks.is_empty() {
-        let items: String = v.checks.iter().map(check).collect();
-        html += &format!("<h3>Checks</h3>\n<ul class=\"checks\">\n{items}</ul>\n");
-    }
     html
+}
+
+fn checks(v: &Verification) -> String {
+    if v.checks.is_empty() {
+        return String::new();
+    }
+    let item = |c: &Check| {
+        let (word, mark) = if c.holds { ("holds", '\u{2713}') } else { ("fails", '\u{2717}') };
+        format!(
+            "<li class=\"{word}\"><span class=\"mark\" role=\"img\" aria-label=\"{word}\">{mark}</span> \
+             <span><b>{}</b> {}</span></li>\n",
+            Text(c.name),
+            Text(&c.message)
+        )
+    };
+    let items: String = v.checks.iter().map(item).collect();
+    format!("<div>\n<h3>Checks</h3>\n<ul class=\"checks\">\n{items}</ul>\n</div>\n")
 }
 
 fn pictures_of(v: &Verification) -> String {
     let stops = pictures::exposure(&v.reference.rgb);
-    let stops_said = format!("{} stops", super::text::signed(f64::from(stops), 1));
+    let stops_said = format!("shown at {} stops", signed(f64::from(stops), 1));
     let alt = format!("{}: reference", v.name);
     let mut html = pictures::radiance(&v.reference, stops, "Reference", &stops_said, &alt);
     match &v.image {
@@ -129,8 +132,8 @@ fn layers(v: &Verification) -> String {
         return String::new();
     }
     format!(
-        "<h3>Parts of the light</h3>\n<p class=\"note\">Reference on the left, render on the right; each part has an \
-         exposure of its own.</p>\n<div class=\"layers\">\n{strips}</div>\n"
+        "<h3>Parts of the light</h3>\n<p class=\"note\">Reference on the left, render on the right; each part has its \
+         own exposure. Below: its share of the reference, and the change of its sum.</p>\n<div class=\"layers\">\n{strips}</div>\n"
     )
 }
 
@@ -151,7 +154,7 @@ fn plots(v: &Verification) -> String {
     match (quantiles, curve) {
         (None, None) => String::new(),
         (a, b) => format!(
-            "<h3>Noise</h3>\n<div class=\"plots\">\n{}{}</div>\n",
+            "<h3>Plots</h3>\n<div class=\"plots\">\n{}{}</div>\n",
             a.unwrap_or_default(),
             b.unwrap_or_default()
         ),
@@ -174,22 +177,22 @@ fn facts(v: &Verification) -> String {
     rows.push(("Runs", runs));
     if let Some(outcome) = &v.outcome {
         let family = format!(
-            "p = {} over {}; refused below {}",
+            "p = {} over {}, threshold {}",
             probability(outcome.p),
             count(outcome.findings.len(), "statistic"),
             probability(v.significance)
         );
-        rows.push(("Family", family));
+        rows.push(("Together", family));
     }
     if !v.power.is_empty() {
-        let item = |p: &crate::golden::Power| format!("<li>{} {}</li>", change(p.shift), Text(&p.statistic));
+        let item = |p: &Power| format!("<li>{} {}</li>", percent(p.shift), Text(&p.statistic));
         let items: String = v.power.iter().map(item).collect();
         rows.push(("Notices", format!("<ul class=\"power\">{items}</ul> with a probability of 99\u{a0}%")));
     }
     rows.push(("Time", seconds(v.seconds)));
     let rows: String =
         rows.iter().map(|(term, what)| format!("<div><dt>{term}</dt><dd>{what}</dd></div>\n")).collect();
-    format!("<h3>About this test</h3>\n<dl class=\"facts\">\n{rows}</dl>\n")
+    format!("<div>\n<h3>About this test</h3>\n<dl class=\"facts\">\n{rows}</dl>\n</div>\n")
 }
 
 fn commands(v: &Verification) -> String {

@@ -156,8 +156,14 @@ mod tests {
     /// Probabilities keep one or two digits down to the smallest.
     #[test]
     fn probabilities() {
-        let cases =
-            [(1.0, "1.00"), (0.213, "0.21"), (0.0042, "0.004"), (3.2e-9, "3×10⁻⁹"), (1e-12, "10⁻¹²"), (0.0, "0")];
+        let cases = [
+            (1.0, "1.00"),
+            (0.213, "0.21"),
+            (0.0042, "0.004"),
+            (3.2e-9, "3×10⁻⁹"),
+            (1e-12, "10⁻¹²"),
+            (0.0, "0"),
+        ];
         for (p, expected) in cases {
             assert_eq!(probability(p), expected);
         }
