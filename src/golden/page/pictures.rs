@@ -168,13 +168,14 @@ fn deviation_colour(z: f64) -> Rgb {
     if z.is_nan() { ODD } else { scale(z).map(srgb_to_linear) }
 }
 
-/// What the colours of differences mean.
-pub(super) fn legend() -> String {
+/// What the colours of differences mean, and their outlines where there are some.
+pub(super) fn legend(outlined: bool) -> String {
     const SWATCHES: usize = 33;
-    let mut svg = String::from(
-        "<div class=\"legend\"><span>darker than the reference</span> <svg role=\"img\" viewBox=\"0 0 264 34\">\
-         <title>Colour scale from 4 deviations darker (blue) to 4 deviations brighter (orange)</title>",
-    );
+    let note =
+        if outlined { "<span class=\"outlined\">Outlined: tiles beyond the threshold</span> " } else { "" };
+    let mut svg = format!("<div class=\"legend\">{note}");
+    svg += "<span>darker than the reference</span> <svg role=\"img\" viewBox=\"0 0 264 34\">\
+         <title>Colour scale from 4 deviations darker (blue) to 4 deviations brighter (orange)</title>";
     for i in 0..SWATCHES {
         let z = (2.0 * i as f64 / (SWATCHES - 1) as f64 - 1.0) * MOST;
         let [r, g, b] = scale(z).to_array().map(|v| (v * 255.0 + 0.5) as u8);

@@ -45,7 +45,7 @@ pub(super) fn plot(outcome: &Outcome, significance: f64) -> Option<String> {
         let at = [-libm::log10(0.5 / n as f64), observed(worst.p).min(top)];
         let off = if observed(worst.p) > top { " (off the scale)" } else { "" };
         let name = format!("{}{off}", worst.statistic);
-        marks += &area.label("beyond", at, [-10.0, 4.0], "end", &name);
+        marks += &area.label("beyond", at, [5.0, -9.0], "end", &name);
     }
     let ticks = |to: f64, step: usize| -> Vec<(f64, String)> {
         (0..=to as usize).step_by(step).map(|i| (i as f64, power_of_ten(-(i as i32)))).collect()

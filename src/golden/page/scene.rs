@@ -101,13 +101,8 @@ fn pictures_of(v: &Verification) -> String {
     }
     let squares = v.outcome.as_ref().map_or_else(Vec::new, |o| refused_tiles(o, v.significance));
     let maps = pictures::differences(&v.z, v.reference.width as usize, &squares, &v.name);
-    let legend = if maps.is_empty() { String::new() } else { pictures::legend() };
-    let outlined = if maps.is_empty() || squares.is_empty() {
-        ""
-    } else {
-        "<p class=\"note\">Outlined: tiles that lie beyond the threshold.</p>\n"
-    };
-    format!("<h3>Pictures</h3>\n<div class=\"pictures\">\n{html}{maps}</div>\n{legend}{outlined}")
+    let legend = if maps.is_empty() { String::new() } else { pictures::legend(!squares.is_empty()) };
+    format!("<h3>Pictures</h3>\n<div class=\"pictures\">\n{html}{maps}</div>\n{legend}")
 }
 
 /// Tiles that alone would refuse the scene, least probable first; of those that overlap, the first.
