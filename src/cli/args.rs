@@ -51,6 +51,7 @@ pub(super) enum Command {
     Info(InfoArgs),
     Convert(ConvertArgs),
     Compare(CompareArgs),
+    Golden(super::golden::GoldenArgs),
     Demo(DemoArgs),
     /// Print the JSON Schema of the scene's text form, for editors
     #[command(after_help = "\
@@ -475,18 +476,22 @@ pub(super) enum Aov {
     Object,
     /// Number of the material from one, 0 for the background: materialId
     Material,
+    /// What the light consists of, in parts that add up to the picture: direct.R, .G, .B, indirect, caustic, glass
+    /// (what is seen in mirrors and through glass) and emitted; and each pixel's brightest sample: brightest
+    Layers,
 }
 
 impl Aov {
-    /// The channels' name up to the dot.
-    pub(super) fn group(self) -> &'static str {
+    /// The channels' names up to the dot.
+    pub(super) fn groups(self) -> &'static [&'static str] {
         match self {
-            Self::Albedo => "albedo",
-            Self::Normal => "N",
-            Self::Depth => "Z",
-            Self::Position => "P",
-            Self::Object => "objectId",
-            Self::Material => "materialId",
+            Self::Albedo => &["albedo"],
+            Self::Normal => &["N"],
+            Self::Depth => &["Z"],
+            Self::Position => &["P"],
+            Self::Object => &["objectId"],
+            Self::Material => &["materialId"],
+            Self::Layers => &["direct", "indirect", "caustic", "glass", "emitted", "brightest"],
         }
     }
 }

@@ -53,6 +53,16 @@ impl Failure {
         Self::new(Code::Strict, message)
     }
 
+    /// Compared, and something differs.
+    pub(super) fn differs(message: impl Into<String>) -> Self {
+        Self::new(Code::Differs, message)
+    }
+
+    /// Ended by a signal.
+    pub(super) fn stopped(code: Code, message: impl Into<String>) -> Self {
+        Self::new(code, message)
+    }
+
     /// An output cannot be written.
     pub(super) fn write(message: impl Into<String>) -> Self {
         Self::new(Code::Write, message)

@@ -11,6 +11,7 @@ mod convert;
 mod demo;
 mod explain;
 mod failure;
+mod golden;
 mod info;
 mod load;
 mod machine;
@@ -77,6 +78,7 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Info(args) => info::run(&args, console),
         Command::Convert(args) => convert::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),
+        Command::Golden(args) => golden::run(&args, console),
         Command::Demo(args) => demo::run(&args, arguments, console),
         Command::Schema(args) => schema::run(&args, console),
     }

@@ -4,8 +4,6 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use sha2::{Digest, Sha256};
-
 use super::Code;
 use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs, SlipArg};
 use super::compare::unusable;
@@ -24,7 +22,7 @@ use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tra
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
 use crate::prepare::{self, EffectsMode, Plan, PrepareError};
-use crate::scene::{Camera, Note, Scene, Texels, text};
+use crate::scene::{Camera, Note, Scene, sha256};
 
 pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) -> Result<Code, Failure> {
     let begin = Instant::now();
@@ -236,7 +234,7 @@ impl Job {
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
-        let hash = scene_hash(&scene);
+        let hash = sha256(&scene);
         rendered.image.attributes = self.attributes(&rendered, &hash);
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
@@ -280,7 +278,8 @@ impl Job {
             time: self.time,
             threads: self.threads,
             crop: self.crop,
-            features: !self.aovs.is_empty(),
+            features: self.aovs.iter().any(|a| *a != Aov::Layers),
+            layers: self.aovs.contains(&Aov::Layers),
         };
         let outcome = integrate::render(&prepared, &options, watch).map_err(|e| match e {
             RenderError::Crop { .. } => Failure::usage(format!("--crop: {e}")),
@@ -512,22 +511,9 @@ fn reason(refusal: Refusal) -> &'static str {
     }
 }
 
-/// SHA-256 of the scene's canonical form and of its pictures, which that only names.
-fn scene_hash(scene: &Scene) -> String {
-    let mut hash = Sha256::new_with_prefix(text::to_json(scene));
-    for pixels in scene.images.iter().filter_map(|i| i.pixels.as_ref()) {
-        hash.update(pixels.width.to_le_bytes());
-        match &pixels.texels {
-            Texels::Byte(t) => t.iter().for_each(|t| hash.update(t)),
-            Texels::Short(t) => t.iter().flatten().for_each(|c| hash.update(c.to_le_bytes())),
-            Texels::Float(t) => t.iter().flatten().for_each(|c| hash.update(c.to_le_bytes())),
-        }
-    }
-    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
-}
-
 /// Drops the layers that were not asked for.
 fn keep_layers(image: &mut Image, aovs: &[Aov]) {
-    let wanted = |name: &str| aovs.iter().any(|a| name.split('.').next() == Some(a.group()));
+    let wanted =
+        |name: &str| aovs.iter().any(|a| name.split('.').next().is_some_and(|n| a.groups().contains(&n)));
     image.layers.retain(|l| l.channels.iter().any(|(name, _)| wanted(name)));
 }

@@ -8,8 +8,10 @@
 
 mod fixed;
 mod image;
+mod layers;
 mod sums;
 
 pub use fixed::FixedPoint;
 pub use image::{Image, Layer};
+pub use layers::LightLayer;
 pub use sums::{Features, Film, FilmLayout, Refusal, Sample};

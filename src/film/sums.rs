@@ -1,6 +1,6 @@
 //! Exact sums per pixel and replication.
 
-use super::{FixedPoint, Image, Layer};
+use super::{FixedPoint, Image, Layer, LightLayer};
 use crate::color::Rgb;
 
 /// What a film accumulates.
@@ -18,6 +18,8 @@ pub struct FilmLayout {
     pub length: FixedPoint,
     /// Whether to record the features of the first surface.
     pub features: bool,
+    /// Whether to record the parts of the light ([`LightLayer`]) and each pixel's brightest sample.
+    pub layers: bool,
     /// Whether the background counts as transparent.
     pub transparent: bool,
 }
@@ -57,9 +59,13 @@ pub struct Sample {
     pub radiance: Rgb,
     /// What was hit first; `None` for the background.
     pub features: Option<Features>,
+    /// The parts of the radiance, by number of their [`LightLayer`], where they were asked for.
+    pub layers: Option<[Rgb; LAYERS]>,
 }
 
 const FEATURES: usize = 10;
+/// Number of light layers.
+const LAYERS: usize = LightLayer::ALL.len();
 
 #[derive(Clone, Debug, PartialEq)]
 struct FeatureSums {
@@ -67,6 +73,14 @@ struct FeatureSums {
     sums: Vec<[i128; FEATURES]>,
     /// Object and material of the lowest pass seen, with that pass.
     ids: Vec<(u32, [u32; 2])>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct LayerSums {
+    /// Per pixel.
+    sums: Vec<[[i128; 3]; LAYERS]>,
+    /// Luminance of the brightest sample, per pixel.
+    brightest: Vec<f32>,
 }
 
 /// Exact sums of samples.
@@ -77,6 +91,7 @@ pub struct Film {
     counts: Vec<u32>,
     hits: Vec<u32>,
     features: Option<FeatureSums>,
+    layers: Option<LayerSums>,
     refused: [u64; 3],
 }
 
@@ -94,6 +109,9 @@ impl Film {
                 sums: vec![[0; FEATURES]; pixels],
                 ids: vec![(u32::MAX, [0; 2]); pixels],
             }),
+            layers: layout
+                .layers
+                .then(|| LayerSums { sums: vec![[[0; 3]; LAYERS]; pixels], brightest: vec![0.0; pixels] }),
             refused: [0; 3],
             layout,
         }
@@ -137,6 +155,15 @@ impl Film {
             *sum += format.encode(v);
         }
         self.counts[cell] += 1;
+        if let Some(sums) = &mut self.layers {
+            for (sum, part) in sums.sums[pixel].iter_mut().zip(sample.layers.unwrap_or_default()) {
+                for (sum, v) in sum.iter_mut().zip(part.to_array()) {
+                    *sum += format.encode(v);
+                }
+            }
+            let brightest = &mut sums.brightest[pixel];
+            *brightest = brightest.max(sample.radiance.luminance());
+        }
         let Some(f) = &sample.features else {
             return Ok(());
         };
@@ -155,6 +182,48 @@ impl Film {
             if pass < ids.0 {
                 *ids = (pass, [f.object, f.material]);
             }
+        }
+        Ok(())
+    }
+
+    /// Adds what another film holds; the same as if its samples had been added here.
+    ///
+    /// # Errors
+    /// Gives `other` back where the two have different layouts.
+    pub fn merge(&mut self, other: Self) -> Result<(), Box<Self>> {
+        if self.layout != other.layout {
+            return Err(Box::new(other));
+        }
+        fn add<const N: usize>(sums: &mut [[i128; N]], others: &[[i128; N]]) {
+            for (sum, other) in sums.iter_mut().flatten().zip(others.iter().flatten()) {
+                *sum += other;
+            }
+        }
+        add(&mut self.sums, &other.sums);
+        for (n, other) in self.counts.iter_mut().zip(&other.counts) {
+            *n += other;
+        }
+        for (n, other) in self.hits.iter_mut().zip(&other.hits) {
+            *n += other;
+        }
+        if let (Some(own), Some(other)) = (&mut self.features, &other.features) {
+            add(&mut own.sums, &other.sums);
+            for (ids, &other) in own.ids.iter_mut().zip(&other.ids) {
+                if other.0 < ids.0 {
+                    *ids = other;
+                }
+            }
+        }
+        if let (Some(own), Some(other)) = (&mut self.layers, &other.layers) {
+            for (sums, other) in own.sums.iter_mut().zip(&other.sums) {
+                add(sums, other);
+            }
+            for (brightest, &other) in own.brightest.iter_mut().zip(&other.brightest) {
+                *brightest = brightest.max(other);
+            }
+        }
+        for (n, other) in self.refused.iter_mut().zip(other.refused) {
+            *n += other;
         }
         Ok(())
     }
@@ -206,6 +275,9 @@ impl Film {
         if let Some(features) = &self.features {
             image.layers = self.feature_layers(features);
         }
+        if let Some(sums) = &self.layers {
+            image.layers.extend(self.light_layers(sums));
+        }
         image
     }
 
@@ -249,6 +321,27 @@ impl Film {
             layer(vec![id("materialId", 1)]),
         ]
     }
+
+    /// `direct.R` and so on, and `brightest`.
+    fn light_layers(&self, sums: &LayerSums) -> Vec<Layer> {
+        let n = |pixel: usize| {
+            let k = self.layout.replications as usize;
+            self.counts[pixel * k..(pixel + 1) * k].iter().sum()
+        };
+        let mean = |layer: LightLayer, c: usize| {
+            let of = |(pixel, sums): (usize, &[[i128; 3]; LAYERS])| {
+                self.layout.radiance.mean(sums[layer as usize][c], n(pixel)) as f32
+            };
+            sums.sums.iter().enumerate().map(of).collect()
+        };
+        let layer = |of: LightLayer| {
+            let channel = |(c, name)| (format!("{}.{name}", of.name()), mean(of, c));
+            Layer { channels: ["R", "G", "B"].into_iter().enumerate().map(channel).collect() }
+        };
+        let mut layers: Vec<Layer> = LightLayer::ALL.into_iter().map(layer).collect();
+        layers.push(Layer { channels: vec![("brightest".to_owned(), sums.brightest.clone())] });
+        layers
+    }
 }
 
 #[cfg(test)]
@@ -263,12 +356,13 @@ mod tests {
             radiance: FixedPoint::around(1.0),
             length: FixedPoint::around(1.0),
             features: false,
+            layers: false,
             transparent: false,
         }
     }
 
     fn sample(v: f32) -> Sample {
-        Sample { radiance: Rgb::new(v, 2.0 * v, 0.5), features: None }
+        Sample { radiance: Rgb::new(v, 2.0 * v, 0.5), features: None, layers: None }
     }
 
     /// N67: the order of samples does not matter, to the last bit.
@@ -286,6 +380,36 @@ mod tests {
         assert_eq!(a.to_image().count, Some(vec![1000, 0]));
     }
 
+    /// Guards that the parts of a render, merged, are the render, with layers and features too.
+    #[test]
+    fn merged_films_are_one_film() {
+        let recording = FilmLayout { features: true, layers: true, ..layout(4) };
+        let full = |i: u32| {
+            let radiance = Rgb::new(0.3, 0.1 * i as f32, 7.0 / (1.0 + i as f32));
+            let layers = [radiance * 0.25, radiance * 0.5, Rgb::BLACK, radiance * 0.25, Rgb::BLACK];
+            let features =
+                (i % 3 > 0).then(|| Features { object: i, depth: i as f32, ..Features::default() });
+            Sample { radiance, features, layers: Some(layers) }
+        };
+        let mut whole = Film::new(recording.clone());
+        let mut parts = [Film::new(recording.clone()), Film::new(recording)];
+        for i in 0..100 {
+            whole.add(i % 2, i as u32, &full(i as u32)).expect("a radiance");
+            parts[usize::from(i < 37)].add(i % 2, i as u32, &full(i as u32)).expect("a radiance");
+        }
+        let [mut a, b] = parts;
+        a.merge(b).expect("one layout");
+        assert_eq!(a, whole);
+        let image = a.to_image();
+        for (pixel, c) in image.rgb.iter().enumerate() {
+            let layers = LightLayer::ALL.map(|l| format!("{}.R", l.name()));
+            let channels = image.layers.iter().flat_map(|l| &l.channels);
+            let sum: f32 = channels.filter(|(n, _)| layers.contains(n)).map(|(_, v)| v[pixel]).sum();
+            assert!((sum / c.r - 1.0).abs() < 1e-5, "layers add up to the picture");
+        }
+        assert!(a.merge(Film::new(layout(2))).is_err(), "another layout is refused");
+    }
+
     /// N64: what is not a radiance is counted by cause, excluded from the count, and leaves the mean clean.
     #[test]
     fn bad_samples_are_refused_and_counted() {
@@ -293,7 +417,7 @@ mod tests {
         for pass in 0..8 {
             film.add(0, pass, &sample(0.25)).expect("a radiance");
         }
-        let bad = |r: f32| Sample { radiance: Rgb::new(0.1, r, 0.1), features: None };
+        let bad = |r: f32| Sample { radiance: Rgb::new(0.1, r, 0.1), features: None, layers: None };
         assert_eq!(film.add(0, 8, &bad(f32::NAN)), Err(Refusal::NotANumber));
         assert_eq!(film.add(0, 9, &bad(f32::INFINITY)), Err(Refusal::Overflow));
         assert_eq!(film.add(0, 10, &bad(-1.0)), Err(Refusal::Negative));
@@ -312,8 +436,12 @@ mod tests {
             for pass in 0..16 {
                 state = crate::math::mix64(state.wrapping_add(0x9e37_79b9_7f4a_7c15));
                 let u = (state >> 40) as f32 / 16_777_216.0;
-                film.add(pixel, pass, &Sample { radiance: Rgb::grey(1000.0 + u), features: None })
-                    .expect("ok");
+                film.add(
+                    pixel,
+                    pass,
+                    &Sample { radiance: Rgb::grey(1000.0 + u), features: None, layers: None },
+                )
+                .expect("ok");
             }
         }
         let image = film.to_image();

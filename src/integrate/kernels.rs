@@ -1,6 +1,6 @@
 //! `li` compiled for a few sets of effects.
 
-use super::li::{Counters, li};
+use super::li::{Counters, Layers, li, li_in_layers};
 use crate::color::Rgb;
 use crate::prepare::{KERNELS, KernelSet, Plan, Prepared};
 use crate::sampling::Address;
@@ -9,6 +9,9 @@ use crate::shape::Ray;
 /// Radiance along a camera ray, W sr^-1 m^-2, for one set of effects.
 pub type LiFn = fn(&Prepared, Address, Ray, &mut Counters) -> Rgb;
 
+/// The same radiance, and the parts that it consists of.
+pub type LayeredLiFn = fn(&Prepared, Address, Ray, &mut Counters) -> (Rgb, Layers);
+
 /// A compiled transport loop.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
@@ -16,6 +19,8 @@ pub struct Kernel {
     pub set: KernelSet,
     /// Radiance along a camera ray.
     pub li: LiFn,
+    /// The same, with its parts.
+    pub layered: LayeredLiFn,
 }
 
 /// The kernel that a plan names.
@@ -26,5 +31,10 @@ pub fn kernel(plan: &Plan) -> Kernel {
         li::<{ KERNELS[1].simulates.0 }>,
         li::<{ KERNELS[2].simulates.0 }>,
     ];
-    Kernel { set: plan.kernel(), li: compiled[plan.kernel] }
+    let layered: [LayeredLiFn; KERNELS.len()] = [
+        li_in_layers::<{ KERNELS[0].simulates.0 }>,
+        li_in_layers::<{ KERNELS[1].simulates.0 }>,
+        li_in_layers::<{ KERNELS[2].simulates.0 }>,
+    ];
+    Kernel { set: plan.kernel(), li: compiled[plan.kernel], layered: layered[plan.kernel] }
 }

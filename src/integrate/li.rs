@@ -14,6 +14,7 @@ use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
+use crate::film::LightLayer;
 use crate::light::LightContext;
 use crate::prepare::{Detail, Effect, Effects, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
@@ -31,6 +32,9 @@ pub struct Counters {
     /// Paths cut by the far safety cap.
     pub capped: u64,
 }
+
+/// The parts of a radiance, by number of their [`LightLayer`].
+pub type Layers = [Rgb; LightLayer::ALL.len()];
 
 /// Where a direction was sampled, and how probable it was: what the next emitter's weight depends on.
 struct Sampled {
@@ -51,6 +55,12 @@ struct PathState {
     beta: Rgb,
     /// What the path has gathered.
     radiance: Rgb,
+    /// Which parts that consists of, where layers are asked for.
+    layers: Layers,
+    /// Whether its first event had no spread: the camera looks into a mirror or through glass.
+    through: bool,
+    /// Whether one of its events had a spread.
+    spread: bool,
     /// The last scattering event where it had a density; `None` after the camera and after delta lobes.
     sampled: Option<Sampled>,
     /// Material whose interior the path is in.
@@ -71,24 +81,75 @@ pub(super) fn li<const FX: u32>(
     ray: Ray,
     counters: &mut Counters,
 ) -> Rgb {
-    let mut path = PathState {
-        ray,
-        from: PrimitiveId::NONE,
-        depth: 0,
-        passed: 0,
-        beta: Rgb::WHITE,
-        radiance: Rgb::BLACK,
-        sampled: None,
-        medium: None,
-        eta_scale: 1.0,
-    };
-    while let Next::Continue = step::<FX>(scene, &address, &mut path, counters) {}
+    let mut path = PathState::new(ray);
+    while let Next::Continue = step::<FX, false>(scene, &address, &mut path, counters) {}
     path.radiance
+}
+
+/// The same radiance, and the parts that it consists of.
+pub(super) fn li_in_layers<const FX: u32>(
+    scene: &Prepared,
+    address: Address,
+    ray: Ray,
+    counters: &mut Counters,
+) -> (Rgb, Layers) {
+    let mut path = PathState::new(ray);
+    while let Next::Continue = step::<FX, true>(scene, &address, &mut path, counters) {}
+    (path.radiance, path.layers)
+}
+
+impl PathState {
+    fn new(ray: Ray) -> Self {
+        Self {
+            ray,
+            from: PrimitiveId::NONE,
+            depth: 0,
+            passed: 0,
+            beta: Rgb::WHITE,
+            radiance: Rgb::BLACK,
+            sampled: None,
+            medium: None,
+            eta_scale: 1.0,
+            layers: [Rgb::BLACK; LightLayer::ALL.len()],
+            through: false,
+            spread: false,
+        }
+    }
+
+    /// Adds light that the path met on its way.
+    #[inline(always)]
+    fn meet<const LAYERS: bool>(&mut self, radiance: Rgb) {
+        self.radiance += radiance;
+        if LAYERS {
+            let layer = match (self.depth, &self.sampled) {
+                (0, _) => LightLayer::Emitted,
+                (_, None) if self.spread => LightLayer::Caustic,
+                _ if self.through => LightLayer::Glass,
+                (1, _) => LightLayer::Direct,
+                _ => LightLayer::Indirect,
+            };
+            self.layers[layer as usize] += radiance;
+        }
+    }
+
+    /// Adds light that was sampled at a vertex that has a spread.
+    #[inline(always)]
+    fn lit<const LAYERS: bool>(&mut self, radiance: Rgb) {
+        self.radiance += radiance;
+        if LAYERS {
+            let layer = match self.depth {
+                _ if self.through => LightLayer::Glass,
+                0 => LightLayer::Direct,
+                _ => LightLayer::Indirect,
+            };
+            self.layers[layer as usize] += radiance;
+        }
+    }
 }
 
 /// From one vertex to the next.
 #[inline(always)]
-fn step<const FX: u32>(
+fn step<const FX: u32, const LAYERS: bool>(
     scene: &Prepared,
     address: &Address,
     path: &mut PathState,
@@ -102,7 +163,7 @@ fn step<const FX: u32>(
 
     // Free lights on the way: they block nothing, so each is found where it stands.
     if fx.has(Effect::FreeLights) {
-        free_lights::<FX>(scene, path, t);
+        free_lights::<FX, LAYERS>(scene, path, t);
     }
     // Absorption on the way.
     if fx.has(Effect::Absorption)
@@ -113,7 +174,7 @@ fn step<const FX: u32>(
     let Some(hit) = hit else {
         // Light from infinitely far away.
         if fx.has(Effect::Environment) {
-            distant_lights(scene, path);
+            distant_lights::<LAYERS>(scene, path);
         }
         return Next::Done;
     };
@@ -150,7 +211,7 @@ fn step<const FX: u32>(
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
         };
-        path.radiance += path.beta * le * weight;
+        path.meet::<LAYERS>(path.beta * le * weight);
     }
     if scene.max_depth.is_some_and(|cap| path.depth >= cap) {
         return Next::Done;
@@ -188,7 +249,7 @@ fn step<const FX: u32>(
         let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
         let ld = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters);
-        path.radiance += path.beta * ld;
+        path.lit::<LAYERS>(path.beta * ld);
     }
 
     // Continue the path in a direction chosen by the BSDF.
@@ -201,6 +262,10 @@ fn step<const FX: u32>(
     path.eta_scale *= sample.eta * sample.eta;
     if fx.has(Effect::Absorption) && context.crosses(wi) {
         path.medium = beyond;
+    }
+    if LAYERS {
+        path.through |= path.depth == 0 && sample.delta;
+        path.spread |= !sample.delta;
     }
     path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
@@ -308,7 +373,7 @@ pub(super) fn interior(scene: &Prepared, material: u32, length: f32) -> Rgb {
 }
 
 #[inline(never)]
-fn free_lights<const FX: u32>(scene: &Prepared, path: &mut PathState, t_max: f32) {
+fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut PathState, t_max: f32) {
     let camera = path.depth == 0;
     let mut sum = Rgb::BLACK;
     scene.lights.free_hits(&path.ray, t_max, |hit| {
@@ -327,10 +392,10 @@ fn free_lights<const FX: u32>(scene: &Prepared, path: &mut PathState, t_max: f32
         }
         sum += beta * hit.radiance * weight;
     });
-    path.radiance += sum;
+    path.meet::<LAYERS>(sum);
 }
 
-fn distant_lights(scene: &Prepared, path: &mut PathState) {
+fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
     let camera = path.depth == 0;
     let mut sum = Rgb::BLACK;
     let context = path.sampled.as_ref().map(|s| &s.context);
@@ -341,5 +406,5 @@ fn distant_lights(scene: &Prepared, path: &mut PathState) {
         let weight = path.sampled.as_ref().map_or(1.0, |s| mis_weight(s.pdf, pdf));
         sum += path.beta * radiance * weight;
     });
-    path.radiance += sum;
+    path.meet::<LAYERS>(sum);
 }

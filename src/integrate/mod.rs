@@ -15,6 +15,6 @@ pub mod report;
 mod roulette;
 mod scatter;
 
-pub use kernels::{Kernel, LiFn, kernel};
-pub use li::Counters;
+pub use kernels::{Kernel, LayeredLiFn, LiFn, kernel};
+pub use li::{Counters, Layers};
 pub use render::{BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, render, replay};

@@ -37,6 +37,17 @@ pub struct RenderOptions {
     pub crop: Option<[u32; 4]>,
     /// Whether to record features of the first surface (albedo, normal, depth, position, ids).
     pub features: bool,
+    /// Whether to record the parts of the light ([`LightLayer`](crate::film::LightLayer)) and each pixel's
+    /// brightest sample.
+    pub layers: bool,
+}
+
+impl RenderOptions {
+    /// Some passes of the whole picture on all cores, and nothing else.
+    #[must_use]
+    pub fn passes(passes: Range<u32>) -> Self {
+        Self { passes, time: None, threads: 0, crop: None, features: false, layers: false }
+    }
 }
 
 /// How far a render is.
@@ -150,11 +161,12 @@ struct Planned<'a> {
     scene: &'a Prepared,
     kernel: Kernel,
     features: bool,
+    layers: bool,
 }
 
 impl Source for Planned<'_> {
     fn sample(&self, pixel: [u32; 2], pass: u32, counters: &mut Counters) -> Sample {
-        let mut s = sample(self.scene, &self.kernel, pixel, pass, counters);
+        let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, counters);
         if self.features {
             s.features = features(self.scene, pixel, pass);
         }
@@ -163,14 +175,25 @@ impl Source for Planned<'_> {
 }
 
 /// A sample at a pixel of the whole picture.
-fn sample(scene: &Prepared, kernel: &Kernel, pixel: [u32; 2], pass: u32, counters: &mut Counters) -> Sample {
+fn sample(
+    scene: &Prepared,
+    kernel: &Kernel,
+    layers: bool,
+    pixel: [u32; 2],
+    pass: u32,
+    counters: &mut Counters,
+) -> Sample {
     let k = scene.plan.replications;
     let index = u64::from(pixel[1]) * u64::from(scene.size[0]) + u64::from(pixel[0]);
     let address = Address::new(scene.seed, index, pass % k, pass / k);
     let u = address.block(0, Purpose::Camera, 0, 0);
     let ray = scene.camera.ray(pixel, [u[0], u[1]], || square_to_disk([u[2], u[3]]));
+    if layers {
+        let (radiance, layers) = (kernel.layered)(scene, address, ray, counters);
+        return Sample { radiance, features: None, layers: Some(layers) };
+    }
     let radiance = (kernel.li)(scene, address, ray, counters);
-    Sample { radiance, features: None }
+    Sample { radiance, features: None, layers: None }
 }
 
 /// What the first surface seen through a sample is like.
@@ -194,7 +217,7 @@ fn features(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Option<Features> {
 /// Traces one sample alone: the very one that a render takes at this pixel and pass.
 #[must_use]
 pub fn replay(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Sample {
-    sample(scene, &kernel(&scene.plan), pixel, pass, &mut Counters::default())
+    sample(scene, &kernel(&scene.plan), false, pixel, pass, &mut Counters::default())
 }
 
 /// Tiles of one pass that are done.
@@ -244,10 +267,12 @@ pub fn render(
         radiance: scene.radiance_format,
         length: scene.length_format,
         features: options.features,
+        layers: options.layers,
         transparent: scene.transparent,
     };
     let features = options.features || scene.transparent;
-    drive(&Planned { scene, kernel: kernel(&scene.plan), features }, layout, options, control)
+    let layers = options.layers;
+    drive(&Planned { scene, kernel: kernel(&scene.plan), features, layers }, layout, options, control)
 }
 
 /// Renders what `source` makes into a film of the given layout, as [`render`] does.

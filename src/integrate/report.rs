@@ -520,7 +520,11 @@ impl Source for Tracer {
         let mut rng = Address::new(self.seed, index, ray, 0).stream(0, Purpose::Report, 0);
         let place = place_in_pixel(ray, self.rays, random(&mut rng));
         let start = self.camera.ray(pixel, place, || square_to_disk(random(&mut rng)));
-        Sample { radiance: self.pixel_ray(start.o, start.d, &mut rng, counters), features: None }
+        Sample {
+            radiance: self.pixel_ray(start.o, start.d, &mut rng, counters),
+            features: None,
+            layers: None,
+        }
     }
 }
 
@@ -642,6 +646,7 @@ impl Tracer {
             radiance: FixedPoint::around(emitted.fold(self.room.environment.max_channel(), f32::max)),
             length: FixedPoint::around(1.0),
             features: false,
+            layers: false,
             transparent: false,
         };
         let passes = RenderOptions {
@@ -650,6 +655,7 @@ impl Tracer {
             threads: options.threads,
             crop: options.crop,
             features: false,
+            layers: false,
         };
         Ok(drive(self, layout, &passes, control)?)
     }

@@ -12,8 +12,7 @@ mod texels;
 mod tone;
 
 pub use atomic::write_bytes;
-pub use picture::encode_png;
-pub use read::{ReadImageError, read, read_exr};
+pub use read::{ReadImageError, decode, read, read_exr};
 pub use texels::encode_pixels;
 pub use tone::Tone;
 
@@ -177,14 +176,22 @@ pub fn check_path(path: &Path) -> Result<Format, WriteError> {
 pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<(), WriteError> {
     let format = check_path(path)?;
     check_values(image, path)?;
-    let bytes = match format {
+    let bytes = encode(image, format, options)
+        .map_err(|message| WriteError::Encode { path: path.to_path_buf(), message })?;
+    write_bytes(path, &bytes).map_err(|source| WriteError::Io { path: path.to_path_buf(), source })
+}
+
+/// The bytes of an image file; its values are not checked.
+///
+/// # Errors
+/// What the encoder says.
+pub fn encode(image: &Image, format: Format, options: &WriteOptions) -> Result<Vec<u8>, String> {
+    match format {
         Format::Exr => exr::encode(image),
-        Format::Png => encode_png(image, &options.tone),
+        Format::Png => picture::encode_png(image, &options.tone),
         Format::Bmp => picture::encode_bmp(image, &options.tone),
         Format::Hdr => picture::encode_hdr(image),
     }
-    .map_err(|message| WriteError::Encode { path: path.to_path_buf(), message })?;
-    write_bytes(path, &bytes).map_err(|source| WriteError::Io { path: path.to_path_buf(), source })
 }
 
 /// Every channel has one value a pixel, and every value that must be finite is.

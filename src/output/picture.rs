@@ -13,15 +13,8 @@ use crate::color::Rgb;
 use crate::film::Image;
 use crate::scene::ToneCurve;
 
-/// A PNG file in memory: eight bits, toned, with alpha where the image has it; attributes are `iTXt` chunks of
-/// their names.
-///
-/// # Errors
-/// What the encoder said: there are not as many values as width times height, or none.
-pub fn encode_png(image: &Image, tone: &Tone) -> Result<Vec<u8>, String> {
-    if let Some(alpha) = image.alpha.as_ref().filter(|a| a.len() != image.rgb.len()) {
-        return Err(format!("{} colours, and {} values of alpha", image.rgb.len(), alpha.len()));
-    }
+/// PNG, eight bits; attributes are `iTXt` chunks of their names.
+pub(super) fn encode_png(image: &Image, tone: &Tone) -> Result<Vec<u8>, String> {
     let mut info = png::Info::with_size(image.width, image.height);
     info.bit_depth = png::BitDepth::Eight;
     info.color_type = if image.alpha.is_some() { png::ColorType::Rgba } else { png::ColorType::Rgb };

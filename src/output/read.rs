@@ -44,10 +44,16 @@ pub fn read_exr(path: &Path) -> Result<Image, ReadImageError> {
 /// # Errors
 /// The file cannot be read, or its content is not an image of a known kind.
 pub fn read(path: &Path) -> Result<Image, ReadImageError> {
+    decode(&bytes_of(path)?).map_err(|message| ReadImageError::Content { path: path.to_path_buf(), message })
+}
+
+/// The image in the bytes of a file, as [`read()`] does.
+///
+/// # Errors
+/// What was found, and what was expected.
+pub fn decode(bytes: &[u8]) -> Result<Image, String> {
     const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-    let bytes = bytes_of(path)?;
-    let decoded = if bytes.starts_with(&EXR_MAGIC) { exr::decode(&bytes) } else { decode_picture(&bytes) };
-    decoded.map_err(|message| ReadImageError::Content { path: path.to_path_buf(), message })
+    if bytes.starts_with(&EXR_MAGIC) { exr::decode(bytes) } else { decode_picture(bytes) }
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadImageError> {

@@ -9,6 +9,7 @@
 mod camera;
 mod defaults;
 pub(crate) mod extension;
+mod hash;
 mod image;
 mod light;
 mod material;
@@ -24,6 +25,7 @@ mod validate;
 
 pub use camera::{Camera, FovAxis, Lens, Projection};
 pub use defaults::{DEFAULT_CAMERA, DEFAULT_DOME, complete};
+pub use hash::sha256;
 pub use image::{Encoded, Image, ImageFormat, ImageId, Pixels, Texels};
 pub use light::{AreaShape, Environment, EnvironmentImage, Light, LightKind, SpotFalloff};
 pub use material::{Absorption, AlphaMode, Glass, Material, MaterialKind, Principled, Sides};

@@ -45,7 +45,7 @@ fn prepared(scene: &Scene, effects: EffectsMode) -> Prepared {
 }
 
 fn passes() -> RenderOptions {
-    RenderOptions { passes: 0..8, time: None, threads: 1, crop: None, features: true }
+    RenderOptions { passes: 0..8, time: None, threads: 1, crop: None, features: true, layers: false }
 }
 
 /// The picture; no sample may be refused.
@@ -162,6 +162,38 @@ fn scenes_to_scale() -> Vec<(&'static str, Scene)> {
         ("materials", materials_indoors()),
         ("area lights", area_lights()),
     ]
+}
+
+/// Guards that layers accumulate beside the picture and never change it, and that they add up to it.
+#[test]
+fn layers_change_nothing_and_add_up() {
+    for (name, scene) in [("hexroom", file("hexroom")), ("everything", valid(&features::everything()))] {
+        let prepared = prepared(&scene, EffectsMode::Auto);
+        let bare = picture(&prepared, &RenderOptions { features: false, ..passes() });
+        let mut layered = picture(&prepared, &RenderOptions { features: false, layers: true, ..passes() });
+        let layers = std::mem::take(&mut layered.layers);
+        check_equal(&bare, &layered, &format!("{name} with layers"));
+        for (c, channel) in ["R", "G", "B"].into_iter().enumerate() {
+            let parts: Vec<&Vec<f32>> = layers
+                .iter()
+                .flat_map(|l| &l.channels)
+                .filter(|(n, _)| n.rsplit_once('.').is_some_and(|(_, end)| end == channel))
+                .map(|(_, values)| values)
+                .collect();
+            assert_eq!(parts.len(), 5, "{name}");
+            for (pixel, rgb) in bare.rgb.iter().enumerate() {
+                let sum: f32 = parts.iter().map(|p| p[pixel]).sum();
+                assert!((sum - rgb[c]).abs() <= 1e-5 * rgb[c], "{name} {pixel} {channel}: {sum} {}", rgb[c]);
+            }
+        }
+        let lit = |name: &str| {
+            let mut all = layers.iter().flat_map(|l| &l.channels);
+            all.any(|(n, values)| n.starts_with(name) && values.iter().any(|&v| v > 0.0))
+        };
+        for part in ["direct", "indirect", "caustic", "glass", "emitted", "brightest"] {
+            assert!(lit(part), "{name}: no {part}");
+        }
+    }
 }
 
 const SCALES: [i32; 4] = [-20, -1, 1, 20];

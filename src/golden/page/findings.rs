@@ -1,7 +1,7 @@
 //! Tables of what the statistics found.
 
-use super::quantiles::threshold;
 use super::text::{Text, change, probability, signed};
+use crate::golden::run::scalar;
 use crate::stats::gate::{Finding, Kind, Outcome};
 
 /// Rows of the table of the least probable.
@@ -11,10 +11,10 @@ const MOST: f64 = 6.0;
 
 /// Two tables: the least probable findings, and the least probable of each kind.
 pub(super) fn tables(outcome: &Outcome, significance: f64) -> String {
-    let limit = threshold(significance, outcome.findings.len());
     let worst: Vec<&Finding> = outcome.findings.iter().take(WORST).collect();
-    let first = table("Least probable", &worst, limit);
-    first + &table("Least probable of each kind", &of_each_kind(outcome), limit)
+    let significant: Vec<&Finding> = outcome.significant(significance).collect();
+    let first = table("Least probable", &worst, &significant);
+    first + &table("Least probable of each kind", &of_each_kind(outcome), &significant)
 }
 
 /// Of the image, of each layer by matched filter, of tiles of each size, of waves, and of each scalar; kinds in
@@ -40,12 +40,11 @@ fn of_each_kind(outcome: &Outcome) -> Vec<&Finding> {
     best
 }
 
-/// The shift as people read it. A wave sums pixels of both signs, so that its own mean may be next to nothing and
-/// a change relative to it means little.
+/// The shift as people read it; most scalars are logarithms, and changes of what they are logarithms of.
 pub(super) fn shift(finding: &Finding) -> String {
-    match finding.statistic.kind {
-        Kind::Wave { .. } => "\u{2013}".into(),
-        Kind::Scalar => signed(finding.shift, 3),
+    match (&finding.statistic.kind, finding.statistic.of.as_str()) {
+        (Kind::Scalar, scalar::NOISE | scalar::ERROR | scalar::PEAKS) => change(libm::expm1(finding.shift)),
+        (Kind::Scalar, _) => signed(finding.shift, 3),
         _ => change(finding.shift),
     }
 }
@@ -61,24 +60,26 @@ fn bar(z: f64) -> String {
     )
 }
 
-fn table(caption: &str, findings: &[&Finding], limit: f64) -> String {
+fn table(caption: &str, findings: &[&Finding], significant: &[&Finding]) -> String {
     let row = |f: &&Finding| {
         format!(
             "<tr{}><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td>\
-             <td class=\"n\">{}</td></tr>\n",
-            if f.p < limit { " class=\"beyond\"" } else { "" },
+             <td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+            if significant.iter().any(|s| std::ptr::eq(*s, *f)) { " class=\"beyond\"" } else { "" },
             Text(&f.statistic.to_string()),
             Text(&shift(f)),
             Text(&signed(f.z, 1)),
             bar(f.z),
-            Text(&probability(f.p))
+            Text(&probability(f.p)),
+            Text(&probability(f.shared))
         )
     };
     let rows: String = findings.iter().map(row).collect();
     format!(
         "<div class=\"scroll\"><table class=\"findings\"><caption>{}</caption>\n<thead><tr>\
          <th scope=\"col\">Statistic</th><th scope=\"col\" class=\"n\">Shift</th>\
-         <th scope=\"col\" class=\"n\"><i>z</i></th><td></td><th scope=\"col\" class=\"n\"><i>p</i></th></tr></thead>\n\
+         <th scope=\"col\" class=\"n\"><i>z</i></th><td></td><th scope=\"col\" class=\"n\"><i>p</i></th>\
+         <th scope=\"col\" class=\"n\">shared</th></tr></thead>\n\
          <tbody>\n{rows}</tbody></table></div>\n",
         Text(caption)
     )

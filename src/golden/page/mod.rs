@@ -145,10 +145,10 @@ fn footer(about: &About) -> String {
     };
     format!(
         "<footer>\n<h2>How to read this page</h2>\n\
-         <p>Each scene is rendered with new seeds, and sums over its pixels are compared with what they are over many \
-         independent runs of the reference. <b>z</b> is the difference in standard deviations of one run, <b>p</b> the \
-         probability of as large a difference where nothing is wrong, for that statistic alone. A scene is refused \
-         where its least probable finding is too improbable even as the least of so many. If nothing is wrong \
+         <p>Each scene is rendered with seeds that its reference did not use, and sums over its pixels are compared with \
+         what they are over many independent runs of the reference. <b>z</b> is the difference in standard errors, <b>p</b> the \
+         probability of as large a difference where nothing is wrong, for that statistic alone; <b>shared</b> is that \
+         of the least probable of all statistics like it (wholes, or tiles and waves), and decides. If nothing is wrong \
          anywhere, that happens to one scene or more with a probability of {}.</p>\n\
          <p><b>Notices</b> is the smallest shift that would be refused with a probability of 99\u{a0}%. Pictures of \
          differences help the eye; they decide nothing.</p>\n{facts}{command}</footer>\n",

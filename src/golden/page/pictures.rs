@@ -7,8 +7,8 @@
 use super::base64;
 use super::text::{Text, change, percent, signed};
 use crate::color::{Rgb, srgb_to_linear};
-use crate::film::Image;
-use crate::output::{Tone, encode_png};
+use crate::film::{Image, LightLayer};
+use crate::output::{Format, Tone, WriteOptions, encode};
 
 /// Deviations at the ends of the colour scale.
 const MOST: f64 = 4.0;
@@ -25,8 +25,6 @@ const SCALE: [[f32; 3]; 5] = [
 const BLOCK: usize = 8;
 /// What stands for a value that is not a number; linear.
 const ODD: Rgb = Rgb::new(1.0, 0.0, 1.0);
-/// Parts of the light, as layers of images name them.
-const LAYERS: [&str; 5] = ["direct", "indirect", "caustic", "glass", "emitted"];
 /// A layer that holds less of the light of both pictures is not shown.
 const NEXT_TO_NOTHING: f64 = 1e-6;
 
@@ -61,7 +59,8 @@ fn exposure_of_part(pixels: &[Rgb]) -> f32 {
 fn img(width: usize, height: usize, pixels: Vec<Rgb>, stops: f32, alt: &str) -> String {
     let rgb = pixels.into_iter().map(|c| if c.is_finite() { c } else { ODD * libm::exp2f(-stops) }).collect();
     let image = Image { width: width as u32, height: height as u32, rgb, ..Image::default() };
-    match encode_png(&image, &Tone { exposure: stops, ..Tone::default() }) {
+    let options = WriteOptions { tone: Tone { exposure: stops, ..Tone::default() } };
+    match encode(&image, Format::Png, &options) {
         Ok(png) => format!(
             "<img src=\"data:image/png;base64,{}\" width=\"{width}\" height=\"{height}\" alt=\"{}\">",
             base64::encode(&png),
@@ -196,7 +195,7 @@ pub(super) fn layers(reference: &Image, image: Option<&Image>, scene: &str) -> S
     let [w, h] = [reference.width as usize, reference.height as usize];
     let whole = total(&reference.rgb);
     let mut strips = String::new();
-    for name in LAYERS {
+    for name in LightLayer::ALL.map(LightLayer::name) {
         let Some(before) = layer(reference, name) else { continue };
         let after = image.and_then(|i| layer(i, name)).filter(|a| a.len() == before.len());
         let (was, is) = (total(&before), after.as_ref().map(|a| total(a)));

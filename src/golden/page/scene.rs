@@ -4,7 +4,7 @@ use super::pictures::{self, Square};
 use super::text::{Text, count, percent, probability, seconds, signed};
 use super::{badge, curve, findings, quantiles};
 use crate::golden::{Check, Power, Reason, Verdict, Verification};
-use crate::stats::gate::{Kind, Outcome};
+use crate::stats::gate::{Finding, Kind, Outcome};
 
 /// Tiles that are outlined, at most.
 const OUTLINED: usize = 6;
@@ -38,13 +38,9 @@ pub(super) fn gist(v: &Verification) -> String {
         return first.message.clone() + &more;
     }
     let least = v.outcome.as_ref().and_then(|o| o.findings.first());
-    least.map_or_else(String::new, |f| {
-        let shift = match f.statistic.kind {
-            Kind::Wave { .. } => String::new(),
-            _ => findings::shift(f) + ", ",
-        };
-        format!("{} {shift}p = {}", f.statistic, probability(f.p))
-    })
+    let says =
+        |f: &Finding| format!("{} {}, shared p = {}", f.statistic, findings::shift(f), probability(f.shared));
+    least.map_or_else(String::new, says)
 }
 
 /// The smallest shift that would be noticed, and by what.
@@ -94,7 +90,10 @@ fn pictures_of(v: &Verification) -> String {
     let mut html = pictures::radiance(&v.reference, stops, "Reference", &stops_said, &alt);
     match &v.image {
         Some(image) => {
-            let detail = format!("{} of {} spp", count(v.seeds.len(), "seed"), v.spp);
+            let detail = match v.seeds.len() {
+                0 => "as it was given".to_owned(),
+                n => format!("{} of {} spp", count(n, "run"), v.spp),
+            };
             html += &pictures::radiance(image, stops, "Render", &detail, &format!("{}: render", v.name));
         }
         None => html += &pictures::missing("Render", "nothing could be rendered"),
@@ -107,9 +106,8 @@ fn pictures_of(v: &Verification) -> String {
 
 /// Tiles that alone would refuse the scene, least probable first; of those that overlap, the first.
 fn refused_tiles(outcome: &Outcome, significance: f64) -> Vec<Square> {
-    let limit = quantiles::threshold(significance, outcome.findings.len());
     let mut squares: Vec<Square> = Vec::new();
-    for finding in outcome.findings.iter().take_while(|f| f.p < limit) {
+    for finding in outcome.significant(significance) {
         let Kind::Tile { side, at: [x, y] } = finding.statistic.kind else { continue };
         let apart = |&[left, top, other]: &Square| {
             x + side <= left || left + other <= x || y + side <= top || top + other <= y
@@ -135,7 +133,7 @@ fn layers(v: &Verification) -> String {
 fn plots(v: &Verification) -> String {
     let quantiles = v.outcome.as_ref().and_then(|o| quantiles::plot(o, v.significance)).map(|svg| {
         format!(
-            "<figure>{svg}<figcaption><b>p-values</b> Along the diagonal lies what noise alone gives.\
+            "<figure>{svg}<figcaption><b>p-values</b> Along the dashed diagonal lies what noise alone gives; filled dots are wholes, open ones tiles and waves.\
              </figcaption></figure>\n"
         )
     });
@@ -168,8 +166,10 @@ fn facts(v: &Verification) -> String {
     let mut rows = vec![("Truth", Text(&v.truth).to_string())];
     let seeds = v.seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
     let word = if v.seeds.len() == 1 { "seed" } else { "seeds" };
-    let runs = format!("{} samples a pixel, {word} <span class=\"seeds\">{}</span>", v.spp, Text(&seeds));
-    rows.push(("Runs", runs));
+    if !v.seeds.is_empty() {
+        let runs = format!("{} samples a pixel, {word} <span class=\"seeds\">{}</span>", v.spp, Text(&seeds));
+        rows.push(("Runs", runs));
+    }
     if let Some(outcome) = &v.outcome {
         let family = format!(
             "p = {} over {}, threshold {}",

@@ -117,7 +117,7 @@ fn broken_verifications_make_a_page() {
     odd.image.as_mut().unwrap().rgb[7].r = f32::INFINITY;
     odd.curve[2].error = f64::NAN;
     let finding = &mut odd.outcome.as_mut().unwrap().findings[0];
-    (finding.p, finding.z, finding.shift) = (0.0, f64::INFINITY, f64::NAN);
+    (finding.p, finding.shared, finding.z, finding.shift) = (0.0, 0.0, f64::INFINITY, f64::NAN);
     let html = page(&[odd], &about());
     let text: String = html.split("base64,").map(|s| s.split_once('"').map_or(s, |(_, rest)| rest)).collect();
     assert!(!text.contains("NaN") && !text.contains("inf"), "numbers that are none have words");

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::stats::Moments;
+
 /// A run as planes of numbers, all of one size; row-major, top row first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Planes {
@@ -13,6 +15,64 @@ pub struct Planes {
     pub planes: Vec<(String, Vec<f32>)>,
     /// Numbers about the run as a whole, such as the logarithm of its noise, by name.
     pub scalars: Vec<(String, f64)>,
+}
+
+/// What pilots look like: all that the choice of statistics and weights rests on.
+///
+/// Numbers are kept to eight binary digits. Weights need no more, and files that hold a profile are small.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Profile {
+    /// Pixels a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Of each plane its name, and the mean and the variance of each pixel over pilots.
+    pub planes: Vec<(String, Vec<f32>, Vec<f32>)>,
+    /// Names of the scalars.
+    pub scalars: Vec<String>,
+}
+
+impl Profile {
+    /// `None` where there are fewer than two pilots, or they differ in size or planes.
+    #[must_use]
+    pub fn new(pilots: &[Planes]) -> Option<Self> {
+        let first = pilots.first().filter(|_| pilots.len() >= 2)?;
+        if !pilots.iter().all(|p| p.is_like(first)) {
+            return None;
+        }
+        let plane = |(k, (name, _)): (usize, &(String, Vec<f32>))| {
+            let of = |i: usize| Moments::from_iter(pilots.iter().map(|r| f64::from(r.planes[k].1[i])));
+            let pixels = (0..first.width * first.height).map(of);
+            let (mean, variance) = pixels.map(|m| (eight_bits(m.mean), eight_bits(m.variance()))).unzip();
+            (name.clone(), mean, variance)
+        };
+        Some(Self {
+            width: first.width,
+            height: first.height,
+            planes: first.planes.iter().enumerate().map(plane).collect(),
+            scalars: first.scalars.iter().map(|(name, _)| name.clone()).collect(),
+        })
+    }
+
+    /// Mean over pilots of the plane of this name.
+    #[must_use]
+    pub fn mean(&self, plane: &str) -> Option<&[f32]> {
+        self.planes.iter().find(|(name, ..)| name == plane).map(|(_, mean, _)| mean.as_slice())
+    }
+}
+
+/// Rounds towards zero to a float with eight digits of its mantissa.
+fn eight_bits(v: f64) -> f32 {
+    f32::from_bits((v as f32).to_bits() & 0xffff_8000)
+}
+
+/// Share of the median that is added to a pixel's mean before it divides, so that dark pixels do not decide;
+/// `None` where the plane is black.
+#[must_use]
+pub fn floor(mean: &[f32]) -> Option<f64> {
+    let mut positive: Vec<f32> = mean.iter().copied().filter(|&v| v > 0.0).collect();
+    positive.sort_by(f32::total_cmp);
+    positive.get(positive.len() / 2).map(|&m| FLOOR * f64::from(m))
 }
 
 /// Which part of a run a statistic looks at.
@@ -71,7 +131,7 @@ pub struct Family {
     height: usize,
 }
 
-/// Share of the median that is added to a pixel's mean before it divides: dark pixels do not decide.
+/// See [`floor`].
 const FLOOR: f64 = 0.05;
 /// Sides of tiles, pixels; each size is laid twice, the second time shifted by half a tile.
 const SIDES: [usize; 2] = [8, 16];
@@ -81,21 +141,16 @@ const WAVES: usize = 6;
 const LUMINANCE: &str = "luminance";
 
 impl Family {
-    /// Chooses statistics and weights for runs like `pilots`: for every plane the whole image and the
-    /// matched filter, for `luminance` tiles and waves, and every scalar. `None` where there are fewer
-    /// than two pilots, or they differ in size or planes.
+    /// Chooses statistics and weights for runs whose pilots had this profile: for every plane that is not black
+    /// the whole image and the matched filter, for `luminance` tiles and waves, and every scalar.
     #[must_use]
-    pub fn design(pilots: &[Planes]) -> Option<Self> {
-        let first = pilots.first().filter(|_| pilots.len() >= 2)?;
-        if !pilots.iter().all(|p| p.is_like(first)) {
-            return None;
-        }
-        let (width, height) = (first.width, first.height);
+    pub fn design(profile: &Profile) -> Self {
+        let (width, height) = (profile.width, profile.height);
         let mut statistics = Vec::new();
-        for (k, (name, _)) in first.planes.iter().enumerate() {
-            let (mean, variance) = moments(pilots, k);
-            let Some(floor) = median_of_positive(&mean).map(|m| FLOOR * m) else { continue };
-            let relative: Vec<f64> = mean.iter().map(|m| 1.0 / (m.max(0.0) + floor)).collect();
+        for (name, mean, variance) in &profile.planes {
+            let Some(floor) = floor(mean) else { continue };
+            let mean: Vec<f64> = mean.iter().map(|&m| f64::from(m.max(0.0))).collect();
+            let relative: Vec<f64> = mean.iter().map(|m| 1.0 / (m + floor)).collect();
             let mut add = |kind, area: [usize; 4], weight: &dyn Fn(usize, usize) -> f64| {
                 let [left, top, w, h] = area;
                 let at = |i: usize| weight(left + i % w, top + i / w) as f32;
@@ -105,10 +160,10 @@ impl Family {
             let all = [0, 0, width, height];
             let here = |x: usize, y: usize| relative[y * width + x];
             add(Kind::Image, all, &here);
-            let noise = smooth(&variance, width, height);
+            let noise = smooth(variance, width, height);
             add(Kind::Matched, all, &|x, y| {
                 let i = y * width + x;
-                if noise[i] > 0.0 { mean[i].max(0.0) / noise[i] } else { 0.0 }
+                if noise[i] > 0.0 { mean[i] / noise[i] } else { mean[i] }
             });
             if name == LUMINANCE {
                 for side in SIDES {
@@ -126,7 +181,7 @@ impl Family {
                 }
             }
         }
-        for (name, _) in &first.scalars {
+        for name in &profile.scalars {
             statistics.push(Statistic {
                 kind: Kind::Scalar,
                 of: name.clone(),
@@ -134,7 +189,12 @@ impl Family {
                 weights: Vec::new(),
             });
         }
-        Some(Self { statistics, width, height })
+        Self { statistics, width, height }
+    }
+
+    /// The value of one statistic of the family; `None` where the run is of another size or lacks its plane.
+    pub(super) fn value(&self, statistic: &Statistic, run: &Planes) -> Option<f64> {
+        ((run.width, run.height) == (self.width, self.height)).then(|| statistic.value(run))?
     }
 
     /// The value of every statistic for one run; `None` where the run is of another size or lacks a plane.
@@ -160,6 +220,26 @@ impl Statistic {
             weights.iter().zip(&plane[start..start + w]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum()
         };
         Some(rows.map(dot).sum())
+    }
+
+    /// What the statistic would be if its weights had no signs: what a shift of it is relative to. One for a
+    /// scalar.
+    pub(super) fn scale(&self, runs: &[Planes]) -> f64 {
+        if self.kind == Kind::Scalar {
+            return 1.0;
+        }
+        let absolute = Self { weights: self.weights.iter().map(|w| w.abs()).collect(), ..self.clone() };
+        runs.iter().filter_map(|r| absolute.value(r)).sum::<f64>() / runs.len().max(1) as f64
+    }
+
+    /// The variance of the statistic where pixels are independent and have the variances in `planes`; `None`
+    /// for a scalar, and where the plane is missing.
+    pub(super) fn variance(&self, planes: &Planes) -> Option<f64> {
+        if self.kind == Kind::Scalar {
+            return None;
+        }
+        let squares = Self { weights: self.weights.iter().map(|w| w * w).collect(), ..self.clone() };
+        squares.value(planes)
     }
 
     /// Third central moment of the statistic over runs if pixels were independent: the sum over pixels of
@@ -198,34 +278,21 @@ impl Planes {
     }
 }
 
-/// Mean and variance of each pixel of plane `k` over runs.
-fn moments(runs: &[Planes], k: usize) -> (Vec<f64>, Vec<f64>) {
-    let count = runs[0].width * runs[0].height;
-    (0..count)
-        .map(|i| crate::stats::Moments::from_iter(runs.iter().map(|r| f64::from(r.planes[k].1[i]))))
-        .map(|m| (m.mean, m.variance()))
-        .unzip()
-}
-
-fn median_of_positive(values: &[f64]) -> Option<f64> {
-    let mut positive: Vec<f64> = values.iter().copied().filter(|&v| v > 0.0).collect();
-    positive.sort_by(f64::total_cmp);
-    positive.get(positive.len() / 2).copied()
-}
-
 /// Means over 5x5 pixels, with a share of the mean of all: a pixel's variance from a few pilots is
 /// rough, and one that came out too small would get a weight that is far too large.
-fn smooth(variance: &[f64], width: usize, height: usize) -> Vec<f64> {
+fn smooth(variance: &[f32], width: usize, height: usize) -> Vec<f64> {
     const REACH: usize = 2;
     const SHARE: f64 = 0.05;
-    let all = variance.iter().sum::<f64>() / variance.len().max(1) as f64;
+    let all = variance.iter().map(|&v| f64::from(v)).sum::<f64>() / variance.len().max(1) as f64;
     let around = |i: usize| {
         let (x, y) = (i % width, i / width);
         let columns = x.saturating_sub(REACH)..(x + REACH + 1).min(width);
         let rows = y.saturating_sub(REACH)..(y + REACH + 1).min(height);
         let n = columns.len() * rows.len();
-        let sum: f64 =
-            rows.flat_map(|r| columns.clone().map(move |c| r * width + c)).map(|j| variance[j]).sum();
+        let sum: f64 = rows
+            .flat_map(|r| columns.clone().map(move |c| r * width + c))
+            .map(|j| f64::from(variance[j]))
+            .sum();
         sum / n as f64 + SHARE * all
     };
     (0..variance.len()).map(around).collect()

@@ -1,9 +1,10 @@
 //! Golden gates: is a new render of a scene, as a whole and in every part, what it used to be?
 //!
 //! In: *runs*, renders of one scene by one sampler at one length, which differ in the seed alone. Some
-//! are pilots: they choose what is looked at ([`Family::design`]). At least [`FEWEST_RUNS`] others say
+//! are pilots: they choose what is looked at ([`Profile`], [`Family::design`]). At least [`FEWEST_RUNS`] others say
 //! what each of those statistics does when nothing is wrong ([`Null::new`]). Out: for a run under test,
-//! one p-value for each statistic, and a verdict over all of them ([`Null::test`]).
+//! one p-value for each statistic, and a verdict over all of them ([`Null::test`]), and the smallest change
+//! that each would notice ([`Null::power`]).
 //!
 //! The invariant: a statistic takes its variance from its own values over independent runs, never from
 //! the variances of pixels or samples. Pixels that share a photon map, a tile of a sampler or a light
@@ -23,8 +24,8 @@
 mod family;
 mod null;
 
-pub use family::{Family, Kind, Planes, Statistic};
-pub use null::{FEWEST_RUNS, Finding, Null, Outcome};
+pub use family::{Family, Kind, Planes, Profile, Statistic, floor};
+pub use null::{FEWEST_RUNS, Finding, Null, NullStatistic, Outcome};
 
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,8 @@
-//! What statistics do when nothing is wrong, and how a run compares.
+//! What statistics do when nothing is wrong, and how runs compare.
 
 use statrs::distribution::{ContinuousCDF, Gamma};
 
-use super::{Family, Planes, Statistic};
+use super::{Family, Kind, Planes, Statistic};
 use crate::stats::{Moments, normal_quantile, sidak, student_two_sided, two_sided};
 
 /// Fewest null runs: with 64 the deviation of a statistic is known to 9 %, and Student's t accounts for
@@ -11,6 +11,10 @@ pub const FEWEST_RUNS: usize = 64;
 
 /// Skewness beyond which a curve fitted to 64 runs says nothing any more.
 const MOST_SKEW: f64 = 4.0;
+
+/// What single precision may do to a statistic, as a share of its scale: on another machine the last bits of
+/// a pixel may differ. Where runs differ by less than this, they do not differ.
+const ROUNDING: f64 = 2e-6;
 
 /// The distribution of each statistic of a family over null runs.
 ///
@@ -26,30 +30,39 @@ pub struct Null {
 }
 
 /// One statistic over null runs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct NullStatistic {
-    /// Null runs.
-    pub runs: u64,
+    /// Its value in each null run.
+    pub values: Vec<f64>,
     /// Their mean.
     pub mean: f64,
     /// Deviation of one run.
     pub deviation: f64,
     /// Third central moment over the cube of the deviation.
     pub skewness: f64,
+    /// What a shift is relative to.
+    pub scale: f64,
 }
 
-/// What one statistic says about a run.
+/// What one statistic says about the runs under test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Which one.
     pub statistic: Statistic,
-    /// Its value over the mean of the null runs, less one: 0.01 is one per cent more. For a scalar, the
+    /// How far it is from the mean of the null runs, as a share: 0.01 is one per cent more. For a scalar, the
     /// difference.
     pub shift: f64,
-    /// Deviations from the mean.
+    /// The mean of the null runs.
+    pub expected: f64,
+    /// Standard error of the shift, in the same unit.
+    pub error: f64,
+    /// Standard errors from the mean.
     pub z: f64,
     /// Probability of a value as far out on either side where nothing is wrong, for this statistic alone.
     pub p: f64,
+    /// The same after all statistics of its half of the family: it is significant below half of the
+    /// family's significance.
+    pub shared: f64,
 }
 
 /// What all statistics say.
@@ -58,8 +71,33 @@ pub struct Finding {
 pub struct Outcome {
     /// One for each statistic, least probable first.
     pub findings: Vec<Finding>,
-    /// Probability that the least probable of them is as improbable as it is where nothing is wrong.
+    /// Probability that the least probable of them is as improbable as it is where nothing is wrong. Half of
+    /// the significance is for what looks at all of a run (images, matched filters, scalars), half for the
+    /// many that look at parts of it.
     pub p: f64,
+}
+
+/// Whether a statistic looks at a part of a run; these are many.
+fn is_part(statistic: &Statistic) -> bool {
+    matches!(statistic.kind, Kind::Tile { .. } | Kind::Wave { .. })
+}
+
+impl Outcome {
+    fn new(mut findings: Vec<Finding>) -> Self {
+        let parts = findings.iter().filter(|f| is_part(&f.statistic)).count();
+        let wholes = findings.len() - parts;
+        for f in &mut findings {
+            f.shared = sidak(f.p, if is_part(&f.statistic) { parts } else { wholes });
+        }
+        findings.sort_by(|a, b| a.shared.total_cmp(&b.shared).then(b.z.abs().total_cmp(&a.z.abs())));
+        let p = findings.first().map_or(1.0, |f| sidak(f.shared, 2));
+        Self { findings, p }
+    }
+
+    /// The findings that are improbable at this significance of the whole family.
+    pub fn significant(&self, significance: f64) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(move |f| sidak(f.shared, 2) < significance)
+    }
 }
 
 impl Null {
@@ -73,38 +111,89 @@ impl Null {
         let values: Vec<Vec<f64>> = runs.iter().map(|r| family.values(r)).collect::<Option<_>>()?;
         let of = |(k, statistic): (usize, &Statistic)| {
             let own: Vec<f64> = values.iter().map(|v| v[k]).collect();
-            NullStatistic::new(&own, statistic.third_moment(runs))
+            NullStatistic::new(own, statistic.third_moment(runs), statistic.scale(runs))
         };
         Some(Self { statistics: family.statistics.iter().enumerate().map(of).collect() })
     }
 
-    /// Judges a run; `None` where it is not like the null runs.
+    /// What pilots let expect of [`FEWEST_RUNS`] null runs, before there are any; good for a forecast and not for a
+    /// verdict. `None` where they are not like each other.
     #[must_use]
-    pub fn test(&self, family: &Family, run: &Planes) -> Option<Outcome> {
-        let values = family.values(run)?;
-        let mut findings: Vec<Finding> = values
-            .iter()
-            .zip(&self.statistics)
-            .zip(&family.statistics)
-            .map(|((&value, null), statistic)| {
-                let (z, p) = null.compare(value);
-                let scalar = statistic.kind == super::Kind::Scalar || null.mean == 0.0;
-                let shift = if scalar { value - null.mean } else { value / null.mean - 1.0 };
-                Finding { statistic: statistic.clone(), shift, z, p }
-            })
-            .collect();
-        findings.sort_by(|a, b| a.p.total_cmp(&b.p));
-        let p = findings.first().map_or(1.0, |f| sidak(f.p, findings.len()));
-        Some(Outcome { findings, p })
+    pub fn forecast(family: &Family, pilots: &[Planes]) -> Option<Self> {
+        let values: Vec<Vec<f64>> = pilots.iter().map(|r| family.values(r)).collect::<Option<_>>()?;
+        let of = |(k, statistic): (usize, &Statistic)| {
+            let own: Vec<f64> = values.iter().map(|v| v[k]).collect();
+            let one = NullStatistic::new(own, 0.0, statistic.scale(pilots));
+            NullStatistic { values: vec![one.mean; FEWEST_RUNS], skewness: 0.0, ..one }
+        };
+        Some(Self { statistics: family.statistics.iter().enumerate().map(of).collect() })
+    }
+
+    /// Judges the mean of some runs; shifts up to `accepted` (a share) are not held against them. `None` where
+    /// there are none, or they are not like the null runs.
+    #[must_use]
+    pub fn test(&self, family: &Family, runs: &[Planes], accepted: f64) -> Option<Outcome> {
+        let values: Vec<Vec<f64>> = runs.iter().map(|r| family.values(r)).collect::<Option<_>>()?;
+        if values.is_empty() {
+            return None;
+        }
+        let finding = |(k, (null, statistic)): (usize, (&NullStatistic, &Statistic))| {
+            let value = values.iter().map(|v| v[k]).sum::<f64>() / values.len() as f64;
+            let accepted = if statistic.kind == Kind::Scalar { 0.0 } else { accepted * null.scale };
+            let (z, p) = null.compare(value, values.len(), accepted);
+            let shift = (value - null.mean) / null.scale;
+            let error = null.error(values.len()) / null.scale;
+            Finding { statistic: statistic.clone(), shift, expected: null.mean, error, z, p, shared: p }
+        };
+        Some(Outcome::new(self.statistics.iter().zip(&family.statistics).enumerate().map(finding).collect()))
+    }
+
+    /// Judges a picture of unknown origin by the variances that it states of its pixels (see
+    /// [`Statistic`]); planes that it lacks, and scalars, are left out. `None` where nothing is left.
+    #[must_use]
+    pub fn test_picture(&self, family: &Family, picture: &Planes, variances: &Planes) -> Option<Outcome> {
+        let finding = |(null, statistic): (&NullStatistic, &Statistic)| {
+            let (value, own) = (family.value(statistic, picture)?, statistic.variance(variances)?);
+            let null_mean = null.deviation * null.deviation / null.values.len() as f64;
+            let error = (own + null_mean).sqrt() + ROUNDING * null.scale;
+            let d = value - null.mean;
+            let z = if d == 0.0 { 0.0 } else { d / error };
+            let p = if z.is_finite() { two_sided(z) } else { 0.0 };
+            let (shift, error) = (d / null.scale, error / null.scale);
+            Some(Finding { statistic: statistic.clone(), shift, expected: null.mean, error, z, p, shared: p })
+        };
+        let findings: Vec<Finding> =
+            self.statistics.iter().zip(&family.statistics).filter_map(finding).collect();
+        (!findings.is_empty()).then(|| Outcome::new(findings))
+    }
+
+    /// The smallest relative shift of each statistic that the mean of `runs` runs shows with a probability of
+    /// 99 % at the significance of the whole family; the difference for a scalar.
+    #[must_use]
+    pub fn power(&self, family: &Family, runs: usize, significance: f64) -> Vec<f64> {
+        let parts = family.statistics.iter().filter(|s| is_part(s)).count();
+        let wholes = family.statistics.len() - parts;
+        let shift = |(null, statistic): (&NullStatistic, &Statistic)| {
+            // Undoes the two steps of sharing in `Outcome`.
+            let n = if is_part(statistic) { parts } else { wholes };
+            null.smallest_shift(runs, unshared(unshared(significance, 2), n))
+        };
+        self.statistics.iter().zip(&family.statistics).map(shift).collect()
     }
 }
 
+/// The p-value of one test whose [`sidak`] value over `n` is `p`.
+fn unshared(p: f64, n: usize) -> f64 {
+    -libm::expm1(libm::log1p(-p) / n.max(1) as f64)
+}
+
 impl NullStatistic {
-    fn new(values: &[f64], third_moment: f64) -> Self {
+    fn new(values: Vec<f64>, third_moment: f64, scale: f64) -> Self {
         let m: Moments = values.iter().copied().collect();
         let (n, deviation) = (values.len() as f64, m.variance().sqrt());
-        if deviation == 0.0 {
-            return Self { runs: m.n, mean: m.mean, deviation, skewness: 0.0 };
+        let scale = if scale > 0.0 { scale } else { 1.0 };
+        if deviation <= ROUNDING * scale {
+            return Self { values, mean: m.mean, deviation: ROUNDING * scale, skewness: 0.0, scale };
         }
         let cubes: f64 = values.iter().map(|v| (v - m.mean) / deviation).map(|d| d * d * d).sum();
         let own = cubes * n / ((n - 1.0) * (n - 2.0));
@@ -113,25 +202,47 @@ impl NullStatistic {
         let pixels = third_moment / (deviation * deviation * deviation);
         let excess = (own.abs() - 2.0 * error).max(0.0);
         let skewness = if excess > pixels.abs() { excess.copysign(own) } else { pixels };
-        Self { runs: m.n, mean: m.mean, deviation, skewness: skewness.clamp(-MOST_SKEW, MOST_SKEW) }
+        let skewness = skewness.clamp(-MOST_SKEW, MOST_SKEW);
+        Self { values, mean: m.mean, deviation, skewness, scale }
     }
 
-    /// Deviations from the mean, and the two-sided p-value of a new run's value.
+    /// Standard errors from the mean, and the two-sided p-value, of the mean of some new runs; a difference up
+    /// to `accepted` counts as none.
     #[must_use]
-    pub fn compare(&self, value: f64) -> (f64, f64) {
+    pub fn compare(&self, value: f64, runs: usize, accepted: f64) -> (f64, f64) {
         if !value.is_finite() {
             return (f64::INFINITY, 0.0);
         }
         let d = value - self.mean;
-        if self.deviation == 0.0 {
-            return if d == 0.0 { (0.0, 1.0) } else { (f64::INFINITY.copysign(d), 0.0) };
-        }
-        let n = self.runs as f64;
-        let z = d / self.deviation;
-        let t = z / (1.0 + 1.0 / n).sqrt();
+        let d = (d.abs() - accepted).max(0.0).copysign(d);
+        let (n, m) = (self.values.len() as f64, runs.max(1) as f64);
+        let t = d / self.error(runs);
         let tail = 0.5 * student_two_sided(t, n - 1.0);
         let normal = normal_quantile(tail.clamp(f64::MIN_POSITIVE, 0.5)).abs().copysign(t);
-        (z, skewed_two_sided(normal, self.skewness).max(0.0))
+        (t, skewed_two_sided(normal, self.skewness / m.sqrt()).max(0.0))
+    }
+
+    /// Standard error of the difference between the mean of some runs and that of the null runs.
+    fn error(&self, runs: usize) -> f64 {
+        self.deviation * (1.0 / runs.max(1) as f64 + 1.0 / self.values.len() as f64).sqrt()
+    }
+
+    /// The shift that the mean of `runs` runs shows with a probability of 99 % at this significance, on the side
+    /// where it is harder to see.
+    fn smallest_shift(&self, runs: usize, significance: f64) -> f64 {
+        /// Quantile of a power of 99 %.
+        const POWER: f64 = 2.326;
+        let error = self.error(runs);
+        let p = |t: f64| self.compare(self.mean + t.copysign(self.skewness) * error, runs, 0.0).1;
+        let (mut low, mut high) = (0.0, 4.0);
+        while p(high) > significance && high < 1e6 {
+            (low, high) = (high, 2.0 * high);
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if p(middle) > significance { low = middle } else { high = middle }
+        }
+        (high + POWER) * error / self.scale
     }
 }
 
@@ -168,12 +279,38 @@ mod tests {
         }
     }
 
-    /// A constant statistic accepts nothing but its value, and what is not a number is refused.
+    /// A constant statistic accepts its value and what rounding makes of it, and nothing else; what is not a
+    /// number is refused.
     #[test]
     fn constants_and_broken_values() {
-        let constant = NullStatistic::new(&[2.0; 64], 0.0);
-        assert_eq!(constant.compare(2.0).1, 1.0);
-        assert_eq!(constant.compare(2.0000001).1, 0.0);
-        assert_eq!(constant.compare(f64::NAN).1, 0.0);
+        let constant = NullStatistic::new(vec![2.0; 64], 0.0, 2.0);
+        assert_eq!(constant.compare(2.0, 1, 0.0).1, 1.0);
+        assert!(constant.compare(2.000_001, 1, 0.0).1 > 0.5);
+        assert!(constant.compare(2.000_1, 1, 0.0).1 < 1e-9);
+        assert_eq!(constant.compare(f64::NAN, 1, 0.0).1, 0.0);
+    }
+
+    /// The smallest shift has the power that it says: a mean shifted by it is seen 99 times of 100, by the
+    /// normal approximation of a run.
+    #[test]
+    fn a_shift_of_known_power() {
+        let values: Vec<f64> = (0..64).map(|i| 10.0 + normal_quantile((f64::from(i) + 0.5) / 64.0)).collect();
+        let null = NullStatistic::new(values, 0.0, 10.0);
+        let shift = null.smallest_shift(4, 1e-5);
+        let error = null.deviation * (1.0 / 4.0 + 1.0 / 64.0f64).sqrt();
+        // One run of a hundred falls 2.326 errors short.
+        let unlucky = null.mean + 10.0 * shift - 2.326 * error;
+        let p = null.compare(unlucky, 4, 0.0).1;
+        assert!((p / 1e-5 - 1.0).abs() < 1e-3, "{p}");
+    }
+
+    /// An accepted difference counts as none, on both sides, and what goes beyond it counts.
+    #[test]
+    fn accepted_differences() {
+        let null =
+            NullStatistic { values: vec![0.0; 64], mean: 1.0, deviation: 0.01, skewness: 0.0, scale: 1.0 };
+        assert_eq!(null.compare(1.05, 1, 0.05).0, 0.0);
+        assert_eq!(null.compare(0.95, 1, 0.06).0, 0.0);
+        assert!(null.compare(1.10, 1, 0.05).0 > 4.0);
     }
 }

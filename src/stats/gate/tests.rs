@@ -84,7 +84,7 @@ impl Made {
 
     fn referee(&mut self, pilots: usize, runs: usize) -> (Family, Null) {
         let mut make = |n: usize| -> Vec<Planes> { (0..n).map(|_| self.run(1.0, |_, _| true)).collect() };
-        let family = Family::design(&make(pilots)).expect("pilots are alike");
+        let family = Family::design(&Profile::new(&make(pilots)).expect("pilots are alike"));
         let null = Null::new(&family, &make(runs)).expect("enough runs");
         (family, null)
     }
@@ -99,7 +99,7 @@ fn rejected(hits: f64, gain: f64, alpha: f64, trials: usize, name: &str) -> f64 
         let (family, null) = made.referee(32, FEWEST_RUNS);
         for _ in 0..10 {
             let run = made.run(gain, |_, _| true);
-            let outcome = null.test(&family, &run).expect("a run like the others");
+            let outcome = null.test(&family, std::slice::from_ref(&run), 0.0).expect("a run like the others");
             alarms += usize::from(outcome.p < alpha);
         }
     }
@@ -131,7 +131,7 @@ fn the_tile_that_changed_is_named() {
     let mut made = Made::new(200.0, 7);
     let (family, null) = made.referee(32, FEWEST_RUNS);
     let run = made.run(1.2, |x, y| (16..24).contains(&x) && (8..16).contains(&y));
-    let outcome = null.test(&family, &run).expect("a run like the others");
+    let outcome = null.test(&family, std::slice::from_ref(&run), 0.0).expect("a run like the others");
     let first = &outcome.findings[0];
     assert_eq!(first.statistic.to_string(), "tile 8x8 at 16,8, luminance");
     assert!((first.shift - 0.2).abs() < 0.05 && first.z > 5.0, "{first:?}");
@@ -143,10 +143,11 @@ fn the_tile_that_changed_is_named() {
 fn runs_that_are_not_alike_are_refused() {
     let mut made = Made::new(20.0, 3);
     let run = made.run(1.0, |_, _| true);
-    assert_eq!(Family::design(std::slice::from_ref(&run)), None);
+    assert_eq!(Profile::new(std::slice::from_ref(&run)), None);
     let other = Planes { width: 16, height: 64, ..run.clone() };
-    assert_eq!(Family::design(&[run.clone(), other.clone()]), None);
-    let family = Family::design(&[run.clone(), made.run(1.0, |_, _| true)]).expect("alike");
+    assert_eq!(Profile::new(&[run.clone(), other.clone()]), None);
+    let profile = Profile::new(&[run.clone(), made.run(1.0, |_, _| true)]).expect("alike");
+    let family = Family::design(&profile);
     assert_eq!(family.values(&other), None);
     assert_eq!(Null::new(&family, &vec![run; FEWEST_RUNS - 1]), None);
 }

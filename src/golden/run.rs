@@ -1,0 +1,297 @@
+//! One run: a render of a scene with a seed of its own, and the numbers that gates look at.
+
+use super::suite::Settings;
+use crate::film::{Film, Image, LightLayer};
+use crate::integrate::{self, BadSample, Control, RenderError, RenderOptions};
+use crate::math::mix64;
+use crate::prepare::{self, EffectsMode, PrepareError};
+use crate::scene::Scene;
+use crate::stats::gate::{Planes, Profile, floor};
+
+/// A scene, and how it is rendered.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// A valid scene with light and camera.
+    pub scene: Scene,
+    /// How.
+    pub settings: Settings,
+}
+
+/// Why a scene could not be run.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scene cannot be prepared.
+    #[error("{0}")]
+    Prepare(#[from] PrepareError),
+    /// The render could not start.
+    #[error("{0}")]
+    Render(#[from] RenderError),
+    /// Somebody asked to stop.
+    #[error("stopped")]
+    Cancelled,
+}
+
+/// What a seed is for: runs under test, pilots and null runs share none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Chooses statistics and weights.
+    Pilot,
+    /// Says what statistics do when nothing is wrong.
+    Null,
+    /// Renders with the reference integrator.
+    Truth,
+    /// Is judged; the number tells fresh seeds apart, and is zero for the fixed ones.
+    Test(u64),
+}
+
+/// The seed of run `i` of a scene: a function of its name, so that nobody picks one that passes.
+#[must_use]
+pub fn seed(name: &str, role: Role, i: u32) -> u64 {
+    let (tag, fresh) = match role {
+        Role::Pilot => ("pilot", 0),
+        Role::Null => ("null", 0),
+        Role::Truth => ("truth", 0),
+        Role::Test(fresh) => ("test", fresh),
+    };
+    // FNV-1a (Fowler, Noll and Vo), then mixed.
+    let bytes = name.bytes().chain([0]).chain(tag.bytes());
+    let hash = bytes.fold(0xcbf2_9ce4_8422_2325u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
+    mix64(mix64(hash ^ fresh).wrapping_add(u64::from(i)))
+}
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Its seed.
+    pub seed: u64,
+    /// Mean, variance, count and light layers.
+    pub image: Image,
+    /// Luminance after an eighth, a quarter, half and all of the samples, with that number of samples.
+    pub stages: Vec<(u32, Vec<f32>)>,
+    /// Samples that the film refused.
+    pub refused: u64,
+    /// Some of them.
+    pub bad: Vec<BadSample>,
+    /// Paths that were cut by the far cap.
+    pub capped: u64,
+    /// Rays traced.
+    pub rays: u64,
+}
+
+impl Subject {
+    /// Renders the scene with a seed.
+    ///
+    /// # Errors
+    /// The scene cannot be rendered, or `control` cancels.
+    pub fn run(&self, seed: u64, control: &dyn Control) -> Result<Run, RunError> {
+        let prepared = prepare::prepare(&self.scene, &self.options(seed))?;
+        let spp = self.settings.spp;
+        let mut whole: Option<Film> = None;
+        let (mut stages, mut bad, mut capped, mut rays) = (Vec::new(), Vec::new(), 0, 0);
+        let mut begin = 0;
+        for end in [spp / 8, spp / 4, spp / 2, spp] {
+            let options = RenderOptions { layers: true, ..RenderOptions::passes(begin..end) };
+            let outcome = integrate::render(&prepared, &options, control)?;
+            if outcome.cancelled || outcome.passes.end != end {
+                return Err(RunError::Cancelled);
+            }
+            bad.extend(outcome.bad);
+            capped += outcome.counters.capped;
+            rays += outcome.counters.rays;
+            let film = match whole.take() {
+                None => outcome.film,
+                Some(mut film) => match film.merge(outcome.film) {
+                    Ok(()) => film,
+                    // Both are films of one prepared scene.
+                    Err(_) => return Err(RunError::Cancelled),
+                },
+            };
+            stages.push((end, luminance(&film.to_image())));
+            whole = Some(film);
+            begin = end;
+        }
+        let Some(film) = whole else { return Err(RunError::Cancelled) };
+        Ok(Run { seed, refused: film.refused_total(), image: film.to_image(), stages, bad, capped, rays })
+    }
+
+    /// The first passes of a run, with a number of threads: the same film whatever that is.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub(super) fn first_passes(&self, seed: u64, passes: u32, threads: usize) -> Result<Film, RunError> {
+        let prepared = prepare::prepare(&self.scene, &self.options(seed))?;
+        let options = RenderOptions { threads, layers: true, ..RenderOptions::passes(0..passes) };
+        Ok(integrate::render(&prepared, &options, &integrate::Quiet)?.film)
+    }
+
+    fn options(&self, seed: u64) -> prepare::Options {
+        prepare::Options {
+            camera: Some(self.settings.camera.clone()),
+            size: self.settings.size,
+            seed,
+            effects: EffectsMode::Auto,
+            max_depth: self.settings.max_depth,
+            transparent: false,
+        }
+    }
+}
+
+/// Luminance of each pixel.
+pub(super) fn luminance(image: &Image) -> Vec<f32> {
+    image.rgb.iter().map(|c| c.luminance()).collect()
+}
+
+/// The plane that tiles and waves look at, as [`gate`](crate::stats::gate) names it.
+pub(super) const LUMINANCE: &str = "luminance";
+
+/// Luminance of a light layer, where the image has it.
+pub(super) fn layer(image: &Image, layer: LightLayer) -> Option<Vec<f32>> {
+    let find = |c: &str| {
+        let name = format!("{}.{c}", layer.name());
+        image.layers.iter().flat_map(|l| &l.channels).find(|(n, _)| *n == name).map(|(_, v)| v)
+    };
+    let (r, g, b) = (find("R")?, find("G")?, find("B")?);
+    let pixel = |((&r, &g), &b): ((&f32, &f32), &f32)| crate::color::Rgb::new(r, g, b).luminance();
+    Some(r.iter().zip(g).zip(b).map(pixel).collect())
+}
+
+/// The brightest sample of each pixel, where the image has it.
+pub(super) fn brightest(image: &Image) -> Option<&[f32]> {
+    let mut channels = image.layers.iter().flat_map(|l| &l.channels);
+    channels.find(|(name, _)| name == "brightest").map(|(_, v)| v.as_slice())
+}
+
+/// Luminance, channels, and the light layers that there are.
+pub(super) fn planes(image: &Image) -> Planes {
+    let channel = |c: usize| image.rgb.iter().map(|p| p[c]).collect();
+    let mut planes = vec![
+        (LUMINANCE.to_owned(), luminance(image)),
+        ("red".to_owned(), channel(0)),
+        ("green".to_owned(), channel(1)),
+        ("blue".to_owned(), channel(2)),
+    ];
+    let layers = LightLayer::ALL.into_iter();
+    planes.extend(layers.filter_map(|l| layer(image, l).map(|v| (l.name().to_owned(), v))));
+    Planes { width: image.width as usize, height: image.height as usize, planes, scalars: Vec::new() }
+}
+
+/// What the scalars of a run are called.
+pub(super) mod scalar {
+    /// Logarithm of the mean relative variance of a pixel's mean, from its replications: what the render itself
+    /// says of its noise.
+    pub(crate) const NOISE: &str = "noise";
+    /// Logarithm of the error against the pilots' mean: noise as it is.
+    pub(crate) const ERROR: &str = "error";
+    /// Slope of that error over samples, both as logarithms: -1/2 for independent samples.
+    pub(crate) const SLOPE: &str = "slope";
+    /// Mean over pixels of the logarithm of the brightest sample relative to the pixel: how far bright samples stick out.
+    pub(crate) const PEAKS: &str = "peaks";
+    /// All of them.
+    pub(crate) const ALL: [&str; 4] = [NOISE, ERROR, SLOPE, PEAKS];
+}
+
+/// What errors are measured against: the pilots' mean, so that neither null runs nor runs under test have a
+/// part in it.
+pub(super) struct Baseline {
+    mean: Vec<f32>,
+    /// One over the mean plus the floor, squared.
+    weights: Vec<f64>,
+    floor: f64,
+}
+
+impl Baseline {
+    /// `None` where all is black.
+    pub(super) fn new(profile: &Profile) -> Option<Self> {
+        let mean = profile.mean(LUMINANCE)?.to_vec();
+        let floor = floor(&mean)?;
+        let weight = |&m: &f32| {
+            let m = f64::from(m) + floor;
+            1.0 / (m * m)
+        };
+        Some(Self { weights: mean.iter().map(weight).collect(), mean, floor })
+    }
+
+    /// Relative root mean square error of a plane of luminance.
+    pub(super) fn error(&self, plane: &[f32]) -> f64 {
+        let square = |((&v, &m), w): ((&f32, &f32), &f64)| {
+            let d = f64::from(v) - f64::from(m);
+            d * d * w
+        };
+        let sum: f64 = plane.iter().zip(&self.mean).zip(&self.weights).map(square).sum();
+        (sum / plane.len().max(1) as f64).sqrt()
+    }
+
+    fn noise(&self, image: &Image) -> f64 {
+        let variances = image.variance.iter().flatten();
+        let term = |(v, w): (&crate::color::Rgb, &f64)| w * f64::from(v.r + v.g + v.b) / 3.0;
+        variances.zip(&self.weights).map(term).sum::<f64>() / self.mean.len().max(1) as f64
+    }
+
+    fn peaks(&self, image: &Image) -> f64 {
+        let term = |(&v, &m): (&f32, &f32)| libm::log1p(f64::from(v) / (f64::from(m) + self.floor));
+        brightest(image).unwrap_or_default().iter().zip(&self.mean).map(term).sum::<f64>()
+            / self.mean.len().max(1) as f64
+    }
+
+    /// The planes of a run with its scalars.
+    pub(super) fn planes(&self, run: &Run) -> Planes {
+        let mut planes = planes(&run.image);
+        let errors: Vec<(f64, f64)> =
+            run.stages.iter().map(|(n, plane)| (libm::log(f64::from(*n)), log(self.error(plane)))).collect();
+        let values = [
+            log(self.noise(&run.image)),
+            errors.last().map_or(0.0, |e| e.1),
+            slope(&errors),
+            self.peaks(&run.image),
+        ];
+        planes.scalars = scalar::ALL.iter().map(|s| (*s).to_owned()).zip(values).collect();
+        planes
+    }
+}
+
+/// The planes of a pilot: its scalars have names, and no values yet.
+pub(super) fn pilot_planes(run: &Run) -> Planes {
+    let scalars = scalar::ALL.iter().map(|s| ((*s).to_owned(), 0.0)).collect();
+    Planes { scalars, ..planes(&run.image) }
+}
+
+/// A logarithm that is finite for zero.
+fn log(v: f64) -> f64 {
+    libm::log(v.max(1e-300))
+}
+
+/// Least squares.
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len().max(1) as f64;
+    let (x, y) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
+    let (sxy, sxx) =
+        points.iter().fold((0.0, 0.0), |(a, b), p| (a + (p.0 - x) * (p.1 - y), b + (p.0 - x) * (p.0 - x)));
+    if sxx > 0.0 { sxy / sxx } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Known value: error that falls with the root of the samples has slope -1/2.
+    #[test]
+    fn slopes() {
+        let root: Vec<(f64, f64)> =
+            [8.0, 16.0, 32.0, 64.0].map(|n: f64| (libm::log(n), -0.5 * libm::log(n) + 3.0)).to_vec();
+        assert!((slope(&root) + 0.5).abs() < 1e-12);
+        assert_eq!(slope(&[(1.0, 2.0)]), 0.0);
+    }
+
+    /// Guards that pilots, null runs and tests share no seed, and that fresh seeds are others.
+    #[test]
+    fn seeds_differ_by_role() {
+        let roles = [Role::Pilot, Role::Null, Role::Test(0), Role::Test(1)];
+        let mut all: Vec<u64> =
+            roles.iter().flat_map(|&r| (0..100).map(move |i| seed("room", r, i))).collect();
+        all.extend((0..100).map(|i| seed("rooms", Role::Null, i)));
+        let count = all.len();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), count);
+    }
+}
