@@ -121,7 +121,7 @@ fn run(seed: u64, fate: Fate) -> Vec<[Rgb; 5]> {
     let pixel = |i: usize| {
         let mut layers = truth(i % SIDE, i / SIDE);
         for (layer, factor) in layers.iter_mut().zip(fate.layers) {
-            *layer = *layer * (factor * (1.0 + fate.noise * NOISE * noise.next()).max(0.0)) as f32;
+            *layer *= (factor * (1.0 + fate.noise * NOISE * noise.next()).max(0.0)) as f32;
         }
         layers
     };

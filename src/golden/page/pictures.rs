@@ -112,7 +112,7 @@ pub(super) fn differences(z: &[f32], width: usize, squares: &[Square], scene: &s
         "in luminance, over its standard error",
     );
     // Blocks of a picture whose sides they do not divide would be drawn too large at its edges.
-    if width % BLOCK != 0 || height % BLOCK != 0 {
+    if !width.is_multiple_of(BLOCK) || !height.is_multiple_of(BLOCK) {
         return pixels;
     }
     let name = format!("{BLOCK}\u{d7}{BLOCK} blocks");

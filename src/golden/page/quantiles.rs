@@ -85,7 +85,7 @@ pub(super) fn plot(outcome: &Outcome, significance: f64) -> Option<String> {
         let off = if observed(worst.p) > top { " (off the scale)" } else { "" };
         let name = format!("{}{off}", worst.statistic);
         let at = [expected(0, row), observed(worst.p).min(top)];
-        let room = at[0] > 0.6 * right;
+        let room = at[0] > 0.5 * right;
         let (by, anchor) = if room { ([5.0, -9.0], "end") } else { ([-5.0, -9.0], "start") };
         marks += &area.label("beyond", at, by, anchor, &name);
     }
