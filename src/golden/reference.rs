@@ -106,6 +106,7 @@ struct StatisticText {
     deviation: f64,
     skewness: f64,
     scale: f64,
+    linear: [f64; 2],
     /// Value in each null run, in thousandths of the deviation from the mean.
     runs: Vec<i32>,
 }
@@ -133,6 +134,7 @@ impl Reference {
             deviation: null.deviation,
             skewness: null.skewness,
             scale: null.scale,
+            linear: null.linear,
             runs: null
                 .values
                 .iter()
@@ -202,6 +204,7 @@ impl Reference {
             deviation: s.deviation,
             skewness: s.skewness,
             scale: s.scale,
+            linear: s.linear,
         };
         let null = Null { statistics: text.statistics.into_iter().map(statistic).collect() };
         if null

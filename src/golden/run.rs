@@ -177,10 +177,10 @@ pub(super) fn planes(image: &Image) -> Planes {
 
 /// What the scalars of a run are called.
 pub(super) mod scalar {
-    /// Logarithm of the mean relative variance of a pixel's mean, from its replications: what the render itself
-    /// says of its noise.
+    /// Mean over pixels of the logarithm of the relative variance of a pixel's mean, from its replications: what the
+    /// render itself says of its noise.
     pub(crate) const NOISE: &str = "noise";
-    /// Logarithm of the error against the pilots' mean: noise as it is.
+    /// Mean over pixels of the logarithm of the relative error against the pilots' mean: noise as it is.
     pub(crate) const ERROR: &str = "error";
     /// Slope of that error over samples, both as logarithms: -1/2 for independent samples.
     pub(crate) const SLOPE: &str = "slope";
@@ -197,34 +197,49 @@ pub(super) struct Baseline {
     /// One over the mean plus the floor, squared.
     weights: Vec<f64>,
     floor: f64,
+    /// A small part of the usual relative variance, so that its logarithm is one of a number above zero.
+    least: f64,
 }
 
 impl Baseline {
     /// `None` where all is black.
     pub(super) fn new(profile: &Profile) -> Option<Self> {
+        const SMALL: f64 = 1e-3;
         let mean = profile.mean(LUMINANCE)?.to_vec();
         let floor = floor(&mean)?;
         let weight = |&m: &f32| {
             let m = f64::from(m) + floor;
             1.0 / (m * m)
         };
-        Some(Self { weights: mean.iter().map(weight).collect(), mean, floor })
+        let weights: Vec<f64> = mean.iter().map(weight).collect();
+        let (_, _, variance) = profile.planes.iter().find(|(name, ..)| name == LUMINANCE)?;
+        let mut relative: Vec<f64> = variance.iter().zip(&weights).map(|(&v, w)| w * f64::from(v)).collect();
+        relative.sort_by(f64::total_cmp);
+        let least = (SMALL * relative[relative.len() / 2]).max(1e-16);
+        Some(Self { weights, mean, floor, least })
     }
 
     /// Relative root mean square error of a plane of luminance.
     pub(super) fn error(&self, plane: &[f32]) -> f64 {
-        let square = |((&v, &m), w): ((&f32, &f32), &f64)| {
+        (self.squares(plane).sum::<f64>() / plane.len().max(1) as f64).sqrt()
+    }
+
+    /// Relative squared error of each pixel.
+    fn squares(&self, plane: &[f32]) -> impl Iterator<Item = f64> {
+        plane.iter().zip(&self.mean).zip(&self.weights).map(|((&v, &m), w)| {
             let d = f64::from(v) - f64::from(m);
             d * d * w
-        };
-        let sum: f64 = plane.iter().zip(&self.mean).zip(&self.weights).map(square).sum();
-        (sum / plane.len().max(1) as f64).sqrt()
+        })
+    }
+
+    /// Mean logarithm of a relative variance: a few pixels with rare bright samples do not decide.
+    fn mean_log(&self, relative: impl Iterator<Item = f64>) -> f64 {
+        relative.map(|v| libm::log(v + self.least)).sum::<f64>() / self.mean.len().max(1) as f64
     }
 
     fn noise(&self, image: &Image) -> f64 {
-        let variances = image.variance.iter().flatten();
-        let term = |(v, w): (&crate::color::Rgb, &f64)| w * f64::from(v.r + v.g + v.b) / 3.0;
-        variances.zip(&self.weights).map(term).sum::<f64>() / self.mean.len().max(1) as f64
+        let variances = image.variance.iter().flatten().zip(&self.weights);
+        self.mean_log(variances.map(|(v, w)| w * f64::from(v.r + v.g + v.b) / 3.0))
     }
 
     fn peaks(&self, image: &Image) -> f64 {
@@ -236,10 +251,11 @@ impl Baseline {
     /// The planes of a run with its scalars.
     pub(super) fn planes(&self, run: &Run) -> Planes {
         let mut planes = planes(&run.image);
+        let error = |plane: &[f32]| 0.5 * self.mean_log(self.squares(plane));
         let errors: Vec<(f64, f64)> =
-            run.stages.iter().map(|(n, plane)| (libm::log(f64::from(*n)), log(self.error(plane)))).collect();
+            run.stages.iter().map(|(n, plane)| (libm::log(f64::from(*n)), error(plane))).collect();
         let values = [
-            log(self.noise(&run.image)),
+            self.noise(&run.image),
             errors.last().map_or(0.0, |e| e.1),
             slope(&errors),
             self.peaks(&run.image),
@@ -253,11 +269,6 @@ impl Baseline {
 pub(super) fn pilot_planes(run: &Run) -> Planes {
     let scalars = scalar::ALL.iter().map(|s| ((*s).to_owned(), 0.0)).collect();
     Planes { scalars, ..planes(&run.image) }
-}
-
-/// A logarithm that is finite for zero.
-fn log(v: f64) -> f64 {
-    libm::log(v.max(1e-300))
 }
 
 /// Least squares.

@@ -1,7 +1,6 @@
-//! What is looked at: weighted sums over the pixels of a run.
+//! What is looked at: the choice of statistics from pilots.
 
-use std::fmt;
-
+use super::statistic::{Kind, Statistic};
 use crate::stats::Moments;
 
 /// A run as planes of numbers, all of one size; row-major, top row first.
@@ -75,53 +74,6 @@ pub fn floor(mean: &[f32]) -> Option<f64> {
     positive.get(positive.len() / 2).map(|&m| FLOOR * f64::from(m))
 }
 
-/// Which part of a run a statistic looks at.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// All pixels, each relative to its brightness.
-    Image,
-    /// All pixels, weighted so that a plane that is brighter or darker as a whole shows best.
-    Matched,
-    /// A square of this side, its left and top.
-    Tile {
-        /// Pixels.
-        side: usize,
-        /// Pixels from the left and from the top.
-        at: [usize; 2],
-    },
-    /// A slow change across the picture: periods in half waves along x and y.
-    Wave {
-        /// Half waves along the width and along the height; not both zero.
-        half_waves: [usize; 2],
-    },
-    /// A number of [`Planes::scalars`].
-    Scalar,
-}
-
-/// A statistic: a weighted sum over a plane, or a scalar.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Statistic {
-    /// What it looks at.
-    pub kind: Kind,
-    /// Name of the plane or scalar.
-    pub of: String,
-    /// Left, top, width, height of the part that `weights` covers; empty for a scalar.
-    area: [usize; 4],
-    weights: Vec<f32>,
-}
-
-impl fmt::Display for Statistic {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.kind {
-            Kind::Image => write!(f, "image, {}", self.of),
-            Kind::Matched => write!(f, "matched, {}", self.of),
-            Kind::Tile { side, at: [x, y] } => write!(f, "tile {side}x{side} at {x},{y}, {}", self.of),
-            Kind::Wave { half_waves: [u, v] } => write!(f, "wave {u},{v}, {}", self.of),
-            Kind::Scalar => f.write_str(&self.of),
-        }
-    }
-}
-
 /// All statistics that a run is judged by.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
@@ -149,13 +101,13 @@ impl Family {
         let mut statistics = Vec::new();
         for (name, mean, variance) in &profile.planes {
             let Some(floor) = floor(mean) else { continue };
-            let mean: Vec<f64> = mean.iter().map(|&m| f64::from(m.max(0.0))).collect();
-            let relative: Vec<f64> = mean.iter().map(|m| 1.0 / (m + floor)).collect();
+            let mean: Vec<f32> = mean.iter().map(|m| m.max(0.0)).collect();
+            let relative: Vec<f64> = mean.iter().map(|&m| 1.0 / (f64::from(m) + floor)).collect();
             let mut add = |kind, area: [usize; 4], weight: &dyn Fn(usize, usize) -> f64| {
                 let [left, top, w, h] = area;
                 let at = |i: usize| weight(left + i % w, top + i / w) as f32;
-                let weights = (0..w * h).map(at).collect();
-                statistics.push(Statistic { kind, of: name.clone(), area, weights });
+                let weights: Vec<f32> = (0..w * h).map(at).collect();
+                statistics.push(Statistic::new(kind, name, area, weights, width, &mean, variance));
             };
             let all = [0, 0, width, height];
             let here = |x: usize, y: usize| relative[y * width + x];
@@ -163,7 +115,8 @@ impl Family {
             let noise = smooth(variance, width, height);
             add(Kind::Matched, all, &|x, y| {
                 let i = y * width + x;
-                if noise[i] > 0.0 { mean[i] / noise[i] } else { mean[i] }
+                let mean = f64::from(mean[i]);
+                if noise[i] > 0.0 { mean / noise[i] } else { mean }
             });
             if name == LUMINANCE {
                 for side in SIDES {
@@ -182,86 +135,23 @@ impl Family {
             }
         }
         for name in &profile.scalars {
-            statistics.push(Statistic {
-                kind: Kind::Scalar,
-                of: name.clone(),
-                area: [0; 4],
-                weights: Vec::new(),
-            });
+            statistics.push(Statistic::scalar(name));
         }
         Self { statistics, width, height }
     }
 
-    /// The value of one statistic of the family; `None` where the run is of another size or lacks its plane.
-    pub(super) fn value(&self, statistic: &Statistic, run: &Planes) -> Option<f64> {
-        ((run.width, run.height) == (self.width, self.height)).then(|| statistic.value(run))?
+    /// Whether a run has the size of the pilots.
+    pub(super) fn fits(&self, run: &Planes) -> bool {
+        (run.width, run.height) == (self.width, self.height)
     }
 
     /// The value of every statistic for one run; `None` where the run is of another size or lacks a plane.
     #[must_use]
     pub fn values(&self, run: &Planes) -> Option<Vec<f64>> {
-        if (run.width, run.height) != (self.width, self.height) {
+        if !self.fits(run) {
             return None;
         }
         self.statistics.iter().map(|s| s.value(run)).collect()
-    }
-}
-
-impl Statistic {
-    fn value(&self, run: &Planes) -> Option<f64> {
-        if self.kind == Kind::Scalar {
-            return run.scalars.iter().find(|(name, _)| *name == self.of).map(|&(_, v)| v);
-        }
-        let (_, plane) = run.planes.iter().find(|(name, _)| *name == self.of)?;
-        let [left, top, w, _] = self.area;
-        let rows = self.weights.chunks_exact(w).enumerate();
-        let dot = |(y, weights): (usize, &[f32])| -> f64 {
-            let start = (top + y) * run.width + left;
-            weights.iter().zip(&plane[start..start + w]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum()
-        };
-        Some(rows.map(dot).sum())
-    }
-
-    /// What the statistic would be if its weights had no signs: what a shift of it is relative to. One for a
-    /// scalar.
-    pub(super) fn scale(&self, runs: &[Planes]) -> f64 {
-        if self.kind == Kind::Scalar {
-            return 1.0;
-        }
-        let absolute = Self { weights: self.weights.iter().map(|w| w.abs()).collect(), ..self.clone() };
-        runs.iter().filter_map(|r| absolute.value(r)).sum::<f64>() / runs.len().max(1) as f64
-    }
-
-    /// The variance of the statistic where pixels are independent and have the variances in `planes`; `None`
-    /// for a scalar, and where the plane is missing.
-    pub(super) fn variance(&self, planes: &Planes) -> Option<f64> {
-        if self.kind == Kind::Scalar {
-            return None;
-        }
-        let squares = Self { weights: self.weights.iter().map(|w| w * w).collect(), ..self.clone() };
-        squares.value(planes)
-    }
-
-    /// Third central moment of the statistic over runs if pixels were independent: the sum over pixels of
-    /// weight^3 times their own. Zero for a scalar.
-    pub(super) fn third_moment(&self, runs: &[Planes]) -> f64 {
-        let n = runs.len() as f64;
-        let planes: Vec<&[f32]> =
-            runs.iter().filter_map(|r| r.planes.iter().find(|(k, _)| *k == self.of)).map(|p| &*p.1).collect();
-        let [left, top, w, _] = self.area;
-        if planes.len() != runs.len() || runs.len() < 3 || w == 0 {
-            return 0.0;
-        }
-        let unbiased = n / ((n - 1.0) * (n - 2.0));
-        let mut sum = 0.0;
-        for (i, &weight) in self.weights.iter().enumerate() {
-            let at = (top + i / w) * runs[0].width + left + i % w;
-            let mean = planes.iter().map(|p| f64::from(p[at])).sum::<f64>() / n;
-            let cubes: f64 = planes.iter().map(|p| f64::from(p[at]) - mean).map(|d| d * d * d).sum();
-            let weight = f64::from(weight);
-            sum += weight * weight * weight * cubes * unbiased;
-        }
-        sum
     }
 }
 

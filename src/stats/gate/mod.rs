@@ -13,19 +13,24 @@
 //! and null runs are different ones, weights cannot be fitted to the noise that they are judged by.
 //!
 //! Statistics are sums of many pixels, and nearly normal; what skewness is left goes into the p-value
-//! (see [`Null`]). Works badly where a statistic hangs on a handful of samples (a caustic that one run
-//! in ten sees): its skewness is then so large that nothing but a gross error is called one.
+//! (see [`Null`]). Light that one run in a hundred sees is the enemy: where no null run met it, the first run under
+//! test that does looks like an error. So no pixel may move a sum by more than about a deviation
+//! ([`Statistic`]), and tiles whose runs are far from normal are not judged alone, but as a part of larger ones.
+//! Works badly for light that most runs do not see: of that nothing but a gross error is called one.
 //!
 //! Sources: Welch's test over tiles of renders is from Jung, Hanika and Dachsbacher, "Detecting Bias in
 //! Monte Carlo Renderers using Welch's t-test", JCGT 9(2), 2020; shared significance from Šidák, JASA
 //! 62(318), 1967; the matched filter is the classical detector of a known signal in uncorrelated noise
-//! (North, 1943); the curve for skewed sums is Pearson's type III (Phil. Trans. A 186, 1895).
+//! (North, 1943);
+//! limited influence is from Huber (Annals of Mathematical Statistics 35, 1964); the curve for skewed sums is Pearson's type III (Phil. Trans. A 186, 1895).
 
 mod family;
 mod null;
+mod statistic;
 
-pub use family::{Family, Kind, Planes, Profile, Statistic, floor};
+pub use family::{Family, Planes, Profile, floor};
 pub use null::{FEWEST_RUNS, Finding, Null, NullStatistic, Outcome};
+pub use statistic::{Kind, Statistic};
 
 #[cfg(test)]
 mod tests;

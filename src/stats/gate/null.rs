@@ -42,6 +42,8 @@ pub struct NullStatistic {
     pub skewness: f64,
     /// What a shift is relative to.
     pub scale: f64,
+    /// Mean and deviation without a bound on what a pixel contributes, for pictures whose noise is another.
+    pub linear: [f64; 2],
 }
 
 /// What one statistic says about the runs under test.
@@ -82,6 +84,21 @@ fn is_part(statistic: &Statistic) -> bool {
     matches!(statistic.kind, Kind::Tile { .. } | Kind::Wave { .. })
 }
 
+/// Skewness of a tile's or a wave's values beyond which it is not judged alone.
+const MERGED: f64 = 1.5;
+
+/// Whether a part of the picture hangs on a few rare samples: then it is not judged alone, but as a part of the
+/// larger tiles and of the whole that it belongs to.
+fn is_merged(null: &NullStatistic, statistic: &Statistic) -> bool {
+    is_part(statistic) && null.own_skewness().abs() > MERGED
+}
+
+/// Mean and deviation over runs without a bound on what a pixel contributes.
+fn linear(statistic: &Statistic, runs: &[Planes]) -> [f64; 2] {
+    let m: Moments = runs.iter().filter_map(|r| statistic.linear(r)).collect();
+    [m.mean, m.variance().sqrt()]
+}
+
 impl Outcome {
     fn new(mut findings: Vec<Finding>) -> Self {
         let parts = findings.iter().filter(|f| is_part(&f.statistic)).count();
@@ -111,7 +128,10 @@ impl Null {
         let values: Vec<Vec<f64>> = runs.iter().map(|r| family.values(r)).collect::<Option<_>>()?;
         let of = |(k, statistic): (usize, &Statistic)| {
             let own: Vec<f64> = values.iter().map(|v| v[k]).collect();
-            NullStatistic::new(own, statistic.third_moment(runs), statistic.scale(runs))
+            NullStatistic {
+                linear: linear(statistic, runs),
+                ..NullStatistic::new(own, statistic.third_moment(runs), statistic.scale(runs))
+            }
         };
         Some(Self { statistics: family.statistics.iter().enumerate().map(of).collect() })
     }
@@ -138,25 +158,36 @@ impl Null {
             return None;
         }
         let finding = |(k, (null, statistic)): (usize, (&NullStatistic, &Statistic))| {
+            if is_merged(null, statistic) {
+                return None;
+            }
             let value = values.iter().map(|v| v[k]).sum::<f64>() / values.len() as f64;
             let accepted = if statistic.kind == Kind::Scalar { 0.0 } else { accepted * null.scale };
             let (z, p) = null.compare(value, values.len(), accepted);
             let shift = (value - null.mean) / null.scale;
             let error = null.error(values.len()) / null.scale;
-            Finding { statistic: statistic.clone(), shift, expected: null.mean, error, z, p, shared: p }
+            Some(Finding { statistic: statistic.clone(), shift, expected: null.mean, error, z, p, shared: p })
         };
-        Some(Outcome::new(self.statistics.iter().zip(&family.statistics).enumerate().map(finding).collect()))
+        let all = self.statistics.iter().zip(&family.statistics).enumerate();
+        Some(Outcome::new(all.filter_map(finding).collect()))
     }
 
     /// Judges a picture of unknown origin by the variances that it states of its pixels (see
     /// [`Statistic`]); planes that it lacks, and scalars, are left out. `None` where nothing is left.
     #[must_use]
     pub fn test_picture(&self, family: &Family, picture: &Planes, variances: &Planes) -> Option<Outcome> {
+        if !family.fits(picture) || !family.fits(variances) {
+            return None;
+        }
         let finding = |(null, statistic): (&NullStatistic, &Statistic)| {
-            let (value, own) = (family.value(statistic, picture)?, statistic.variance(variances)?);
-            let null_mean = null.deviation * null.deviation / null.values.len() as f64;
-            let error = (own + null_mean).sqrt() + ROUNDING * null.scale;
-            let d = value - null.mean;
+            if is_merged(null, statistic) {
+                return None;
+            }
+            let (value, own) = (statistic.linear(picture)?, statistic.variance(variances)?);
+            let [mean, deviation] = null.linear;
+            let error =
+                (own + deviation * deviation / null.values.len() as f64).sqrt() + ROUNDING * null.scale;
+            let d = value - mean;
             let z = if d == 0.0 { 0.0 } else { d / error };
             let p = if z.is_finite() { two_sided(z) } else { 0.0 };
             let (shift, error) = (d / null.scale, error / null.scale);
@@ -171,8 +202,9 @@ impl Null {
     /// 99 % at the significance of the whole family; the difference for a scalar.
     #[must_use]
     pub fn power(&self, family: &Family, runs: usize, significance: f64) -> Vec<f64> {
-        let parts = family.statistics.iter().filter(|s| is_part(s)).count();
-        let wholes = family.statistics.len() - parts;
+        let all = || self.statistics.iter().zip(&family.statistics);
+        let parts = all().filter(|(n, s)| is_part(s) && !is_merged(n, s)).count();
+        let wholes = all().filter(|(_, s)| !is_part(s)).count();
         let shift = |(null, statistic): (&NullStatistic, &Statistic)| {
             // Undoes the two steps of sharing in `Outcome`.
             let n = if is_part(statistic) { parts } else { wholes };
@@ -192,18 +224,27 @@ impl NullStatistic {
         let m: Moments = values.iter().copied().collect();
         let (n, deviation) = (values.len() as f64, m.variance().sqrt());
         let scale = if scale > 0.0 { scale } else { 1.0 };
+        let plain =
+            Self { values, mean: m.mean, deviation, skewness: 0.0, scale, linear: [m.mean, deviation] };
         if deviation <= ROUNDING * scale {
-            return Self { values, mean: m.mean, deviation: ROUNDING * scale, skewness: 0.0, scale };
+            return Self { deviation: ROUNDING * scale, ..plain };
         }
-        let cubes: f64 = values.iter().map(|v| (v - m.mean) / deviation).map(|d| d * d * d).sum();
-        let own = cubes * n / ((n - 1.0) * (n - 2.0));
+        let own = plain.own_skewness();
         // Standard error of a normal sample's skewness.
         let error = (6.0 / n).sqrt();
         let pixels = third_moment / (deviation * deviation * deviation);
         let excess = (own.abs() - 2.0 * error).max(0.0);
         let skewness = if excess > pixels.abs() { excess.copysign(own) } else { pixels };
         let skewness = skewness.clamp(-MOST_SKEW, MOST_SKEW);
-        Self { values, mean: m.mean, deviation, skewness, scale }
+        Self { skewness, ..plain }
+    }
+
+    /// Third central moment over the cube of the deviation, from the values alone.
+    fn own_skewness(&self) -> f64 {
+        let n = self.values.len() as f64;
+        let cubes: f64 =
+            self.values.iter().map(|v| (v - self.mean) / self.deviation).map(|d| d * d * d).sum();
+        cubes * n / ((n - 1.0) * (n - 2.0))
     }
 
     /// Standard errors from the mean, and the two-sided p-value, of the mean of some new runs; a difference up
@@ -308,7 +349,7 @@ mod tests {
     #[test]
     fn accepted_differences() {
         let null =
-            NullStatistic { values: vec![0.0; 64], mean: 1.0, deviation: 0.01, skewness: 0.0, scale: 1.0 };
+            NullStatistic { deviation: 0.01, mean: 1.0, ..NullStatistic::new(vec![1.0; 64], 0.0, 1.0) };
         assert_eq!(null.compare(1.05, 1, 0.05).0, 0.0);
         assert_eq!(null.compare(0.95, 1, 0.06).0, 0.0);
         assert!(null.compare(1.10, 1, 0.05).0 > 4.0);
