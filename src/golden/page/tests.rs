@@ -18,14 +18,6 @@ fn about() -> About {
     }
 }
 
-/// Writes the page into the folder for temporary files, for whoever works on its looks.
-#[test]
-#[ignore = "writes a file to look at"]
-fn writes_a_page_to_look_at() {
-    let path = std::env::temp_dir().join("epsilux-golden-page.html");
-    std::fs::write(path, page(&MADE, &about())).unwrap();
-}
-
 /// What happened is said first, and the culprit is named before anything that went well.
 #[test]
 fn names_the_outcome_and_the_culprit() {
