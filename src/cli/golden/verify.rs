@@ -59,6 +59,7 @@ fn page(judged: &Judged, args: &JudgeArgs) -> String {
         title: "Golden tests".to_owned(),
         command: format!("epsilux golden verify {}", suites.join(" ")),
         significance: judged.significance,
+        facts: vec![("Version".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
     };
     golden::page(&judged.verifications, &about)
 }
