@@ -96,9 +96,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
             }
             Ok(())
         }
-        Some(Chore::Report { output }) => {
-            bench.on(&["report", "-o", &output.display().to_string()], &[])
-        }
+        Some(Chore::Report { output }) => bench.on(&["report", "-o", &output.display().to_string()], &[]),
         Some(Chore::Dead) => dead::run(&bench),
         Some(Chore::Mutate(arguments)) => mutate::run(&bench, arguments),
         Some(Chore::Null(arguments)) => null::run(&bench, arguments),
@@ -116,7 +114,8 @@ impl Bench {
     /// Builds the program.
     fn new() -> Result<Self, String> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository");
-        let built = Command::new(env!("CARGO")).args(["build", "--release", "--quiet"]).current_dir(root).status();
+        let built =
+            Command::new(env!("CARGO")).args(["build", "--release", "--quiet"]).current_dir(root).status();
         if !built.map_err(|e| format!("cargo could not be started: {e}"))?.success() {
             return Err("the program could not be built".to_owned());
         }
@@ -134,7 +133,8 @@ impl Bench {
     /// The `golden.toml` of a scene, which is named as its folder.
     fn suite_of(&self, scene: &str) -> Result<PathBuf, String> {
         let wanted = PathBuf::from(format!("fixtures/golden/{scene}/golden.toml"));
-        let names = || self.suites.iter().filter_map(|s| s.parent()?.file_name()?.to_str()).collect::<Vec<_>>();
+        let names =
+            || self.suites.iter().filter_map(|s| s.parent()?.file_name()?.to_str()).collect::<Vec<_>>();
         let found = self.suites.contains(&wanted);
         found.then_some(wanted).ok_or_else(|| format!("{scene}: expected one of: {}", names().join(", ")))
     }

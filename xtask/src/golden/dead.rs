@@ -15,7 +15,8 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
     // Files.
     for suite in &bench.suites {
         let folder = bench.root.join(suite.parent().unwrap_or(Path::new("")));
-        let words = std::fs::read_to_string(bench.root.join(suite)).map_err(|e| format!("{}: {e}", suite.display()))?;
+        let words = std::fs::read_to_string(bench.root.join(suite))
+            .map_err(|e| format!("{}: {e}", suite.display()))?;
         let mut texts = vec![words];
         let mut names = Vec::new();
         let entries = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
@@ -40,8 +41,10 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
     // Effects.
     let (mut guarded, mut all) = (BTreeSet::new(), BTreeSet::new());
     for suite in &bench.suites {
-        let words = std::fs::read_to_string(bench.root.join(suite)).map_err(|e| format!("{}: {e}", suite.display()))?;
-        let file = words.lines().find_map(|l| l.trim().strip_prefix("file")?.split('"').nth(1).map(str::to_owned));
+        let words = std::fs::read_to_string(bench.root.join(suite))
+            .map_err(|e| format!("{}: {e}", suite.display()))?;
+        let file =
+            words.lines().find_map(|l| l.trim().strip_prefix("file")?.split('"').nth(1).map(str::to_owned));
         let Some(file) = file else { continue };
         let scene = suite.with_file_name(file);
         let mut explain = Command::new(&bench.program);
@@ -65,7 +68,11 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
         }
     }
     if dead.is_empty() {
-        println_line(&format!("{} goldens, {} effects, 5 layers: all alive", bench.suites.len(), guarded.len()));
+        println_line(&format!(
+            "{} goldens, {} effects, 5 layers: all alive",
+            bench.suites.len(),
+            guarded.len()
+        ));
         return Ok(());
     }
     Err(format!("dead or unguarded:\n  {}", dead.join("\n  ")))

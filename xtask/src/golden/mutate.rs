@@ -37,7 +37,9 @@ pub(super) struct Arguments {
 /// Runs the chore; an error is a message for people.
 pub(super) fn run(bench: &Bench, arguments: &Arguments) -> Result<(), String> {
     let chosen = |m: &Mutant| arguments.mutants.is_empty() || arguments.mutants.iter().any(|n| n == m.name());
-    if let Some(unknown) = arguments.mutants.iter().find(|n| Mutant::ALL.iter().all(|m| m.name() != n.as_str())) {
+    if let Some(unknown) =
+        arguments.mutants.iter().find(|n| Mutant::ALL.iter().all(|m| m.name() != n.as_str()))
+    {
         let names = Mutant::ALL.map(Mutant::name).join(", ");
         return Err(format!("{unknown}: expected one of: {names}"));
     }
@@ -68,7 +70,12 @@ pub(super) fn run(bench: &Bench, arguments: &Arguments) -> Result<(), String> {
             others.join(", ")
         ));
         if named.is_empty() {
-            survivors.push(format!("{} ({}): expected {}", mutant.name(), mutant.what(), mutant.killed_by().join(" or ")));
+            survivors.push(format!(
+                "{} ({}): expected {}",
+                mutant.name(),
+                mutant.what(),
+                mutant.killed_by().join(" or ")
+            ));
         }
     }
     let mut alarms = Vec::new();
