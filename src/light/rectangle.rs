@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 
 use super::SurfaceSample;
 use crate::math::{self, gamma, sin_cos};
+use crate::mutants::planted;
 
 /// Solid angle below which area sampling is used, steradians.
 const SMALLEST: f64 = 1e-7;
@@ -133,7 +134,7 @@ impl Rectangle {
     #[must_use]
     pub fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<SurfaceSample> {
         let view = self.view(p)?;
-        if view.solid_angle < SMALLEST {
+        if planted!(area_sampling(view.solid_angle < SMALLEST)) {
             return self.sample_area(p, u);
         }
         // cos and sin of u S + k; S u needs no more than f32, its influence is relative to S.
@@ -158,7 +159,9 @@ impl Rectangle {
     pub fn pdf(&self, p: Vec3, q: Vec3) -> f32 {
         match self.view(p) {
             None => 0.0,
-            Some(view) if view.solid_angle < SMALLEST => super::set::area_pdf(p, q, self.n, self.area()),
+            Some(view) if planted!(area_sampling(view.solid_angle < SMALLEST)) => {
+                super::set::area_pdf(p, q, self.n, self.area())
+            }
             Some(view) => (1.0 / view.solid_angle) as f32,
         }
     }

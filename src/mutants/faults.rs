@@ -127,6 +127,12 @@ pub(crate) fn gamma_twice(encoded: Rgb) -> Rgb {
     spoil(Mutant::GammaTwice, encoded, |encoded| encoded.map(linear_to_srgb))
 }
 
+/// Whether a light is so small that it is sampled by area.
+#[inline]
+pub(crate) fn area_sampling(small: bool) -> bool {
+    spoil(Mutant::AreaSampling, small, |_| true)
+}
+
 /// The channels of a sample.
 #[inline]
 pub(crate) fn nan_black(channels: [f32; 3]) -> [f32; 3] {

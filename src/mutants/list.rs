@@ -38,11 +38,13 @@ pub enum Mutant {
     GammaTwice,
     /// What is not a number counts as black.
     NanBlack,
+    /// A sampler that is as right, and worse.
+    AreaSampling,
 }
 
 impl Mutant {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::LightEnergy,
         Self::CosineDropped,
         Self::BsdfPdf,
@@ -59,6 +61,7 @@ impl Mutant {
         Self::FilterShift,
         Self::GammaTwice,
         Self::NanBlack,
+        Self::AreaSampling,
     ];
 
     /// What the environment variable calls it.
@@ -143,6 +146,11 @@ impl Mutant {
             Self::NanBlack => {
                 ("nan-black", "the film counts a sample that is not a number as black", &["film"])
             }
+            Self::AreaSampling => (
+                "area-sampling",
+                "rectangles are sampled by area, not by solid angle: more noise, the same mean",
+                &["noise"],
+            ),
         }
     }
 }

@@ -8,6 +8,7 @@ mod support;
 mod agree;
 mod bsdf;
 mod fast;
+mod golden;
 mod naive;
 mod report;
 mod textured;

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use rust::{PathUse, Root};
+use sha2::{Digest, Sha256};
 use table::Row;
 
 const ARCHITECTURE: &str = "ARCHITECTURE.md";
@@ -21,6 +22,9 @@ const MANIFESTS: [&str; 2] = ["Cargo.toml", "xtask/Cargo.toml"];
 const UNSAFE: &str = "src/accel/simd.rs";
 /// Lines of a file in src, beyond which it is more than one subject.
 const LONGEST: usize = 700;
+/// What scenes are expected to render to, and why.
+const GOLDENS: &str = "fixtures/golden/";
+const BLESSINGS: &str = "fixtures/golden/BLESSINGS.md";
 /// Bytes of fixtures/golden, all together.
 const GOLDEN: u64 = 20_000_000;
 /// Beginnings of paths that exist on one machine only.
@@ -83,6 +87,7 @@ fn read(root: &Path) -> Result<Vec<File>, String> {
 fn check(files: &[File]) -> Vec<String> {
     let mut findings = Findings::default();
     sizes(files, &mut findings);
+    blessings(files, &mut findings);
     words(files, &mut findings);
     headers(files, &mut findings);
     let uses: Vec<Used> = files.iter().filter(|f| f.path.ends_with(".rs")).flat_map(used).collect();
@@ -250,9 +255,22 @@ fn sizes(files: &[File], findings: &mut Findings) {
     for row in long.iter().filter(|row| files.iter().all(|f| f.path != row.cells[0])) {
         findings.add(ARCHITECTURE, row.line, format!("there is no file {}", row.cells[0]));
     }
-    let golden: u64 = files.iter().filter(|f| f.path.starts_with("fixtures/golden/")).map(|f| f.bytes).sum();
+    let golden: u64 = files.iter().filter(|f| f.path.starts_with(GOLDENS)).map(|f| f.bytes).sum();
     if golden > GOLDEN {
         findings.add("fixtures/golden", 0, format!("{golden} bytes, expected at most {GOLDEN}"));
+    }
+}
+
+/// Every recorded reference has a reason: a line in the file of blessings that names it by its content.
+fn blessings(files: &[File], findings: &mut Findings) {
+    let reasons = files.iter().find(|f| f.path == BLESSINGS).map_or("", |f| f.text.as_str());
+    let references = files.iter().filter(|f| f.path.starts_with(GOLDENS) && f.path.ends_with("/reference.json"));
+    for file in references {
+        let hash: String = Sha256::digest(file.text.as_bytes()).iter().take(8).map(|b| format!("{b:02x}")).collect();
+        if !reasons.contains(&hash) {
+            let what = format!("{hash}, expected a section in {BLESSINGS} that names it; `cargo xtask golden bless` writes one");
+            findings.add(&file.path, 0, what);
+        }
     }
 }
 

@@ -43,10 +43,11 @@ pub(super) fn gist(v: &Verification) -> String {
     least.map_or_else(String::new, says)
 }
 
-/// The smallest shift that would be noticed, and by what.
+/// The smallest change of all light that would be noticed, and by what.
 pub(super) fn notices(v: &Verification) -> Option<(String, &str)> {
-    let best = v.power.iter().filter(|p| p.shift.is_finite()).min_by(|a, b| a.shift.total_cmp(&b.shift))?;
-    Some((percent(best.shift), &best.statistic))
+    let whole =
+        v.power.iter().filter(|p| p.shift.is_finite()).find(|p| p.statistic == "matched, luminance")?;
+    Some((percent(whole.shift), &whole.statistic))
 }
 
 fn reasons(v: &Verification) -> String {

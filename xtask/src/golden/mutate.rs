@@ -4,7 +4,7 @@
 //! can have them); an environment variable plants one at a time.
 
 #[path = "../../../src/mutants/list.rs"]
-#[allow(unreachable_pub)]
+#[allow(unreachable_pub, dead_code)]
 mod list;
 
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ use list::Mutant;
 /// Plant faults, and say which gate notices each.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// Mutants [default: all 16]
+    /// Mutants [default: all]
     #[arg(value_name = "MUTANT")]
     mutants: Vec<String>,
     /// Fresh seeds that the sound program must pass afterwards.
