@@ -150,7 +150,7 @@ fn footer(about: &About) -> String {
          probability of as large a difference where nothing is wrong, for that statistic alone; <b>shared</b> is that \
          of the least probable of all statistics like it (wholes, or tiles and waves), and decides. If nothing is wrong \
          anywhere, that happens to one scene or more with a probability of {}.</p>\n\
-         <p><b>Notices</b> is the smallest shift that would be refused with a probability of 99\u{a0}%. Pictures of \
+         <p><b>Notices</b> is the smallest shift of all light that would be refused with a probability of 99\u{a0}%. Pictures of \
          differences help the eye; they decide nothing.</p>\n{facts}{command}</footer>\n",
         Text(&probability(about.significance))
     )

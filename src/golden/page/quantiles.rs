@@ -60,13 +60,9 @@ pub(super) fn plot(outcome: &Outcome, significance: f64) -> Option<String> {
 
     let end = right.min(top);
     let mut marks = area.line("guide", [[0.0, 0.0], [end, end]]);
-    let highest = |row: &Row<'_>| rows.iter().all(|r| r.threshold >= row.threshold);
     for row in &rows {
         let y = observed(row.threshold);
-        // Two thresholds are near each other: one has its name above, the other below.
-        let by = [6.0, if highest(row) { -6.0 } else { 14.0 }];
         marks += &area.line("limit", [[0.0, y], [right, y]]);
-        marks += &area.label("limit", [0.0, y], by, "start", &format!("threshold of {}", row.name));
     }
     for row in &rows {
         for (k, finding) in row.findings.iter().enumerate().rev() {
@@ -77,6 +73,13 @@ pub(super) fn plot(outcome: &Outcome, significance: f64) -> Option<String> {
             let at = [expected(k, row), observed(finding.p).min(top)];
             marks += &area.dot(&class, at, if beyond { 4.5 } else { 3.0 }, says);
         }
+    }
+    let highest = |row: &Row<'_>| rows.iter().all(|r| r.threshold >= row.threshold);
+    for row in &rows {
+        // Two thresholds are near each other: one has its name above, the other below.
+        let by = [6.0, if highest(row) { -6.0 } else { 14.0 }];
+        let name = format!("threshold of {}", row.name);
+        marks += &area.label("limit", [0.0, observed(row.threshold)], by, "start", &name);
     }
     let beyond = outcome.significant(significance).count();
     if beyond > 0
