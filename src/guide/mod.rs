@@ -21,6 +21,9 @@ pub mod convert {}
 #[doc = include_str!("from-obj.md")]
 pub mod from_obj {}
 
+#[doc = include_str!("golden.md")]
+pub mod golden {}
+
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
@@ -33,12 +36,13 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 8] = [
+    const PAGES: [(&str, &str); 9] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
         ("convert.md", include_str!("convert.md")),
         ("from-obj.md", include_str!("from-obj.md")),
+        ("golden.md", include_str!("golden.md")),
         ("numbers.md", include_str!("numbers.md")),
         ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),
@@ -92,6 +96,19 @@ mod tests {
         collect(&text::schema(), &mut keys);
         assert!(keys.len() > 80 && keys.contains("fov_axis") && keys.contains("agx"), "{keys:?}");
         let missing: Vec<_> = keys.into_iter().filter(|k| !named(k)).collect();
+        assert_eq!(missing, [""; 0]);
+    }
+
+    /// The suite in the page about golden tests is read, and its table has every key.
+    #[test]
+    fn the_suite_in_the_guide_is_read() {
+        let page = include_str!("golden.md");
+        let blocks = blocks(page, "text");
+        let suite = crate::golden::Suite::parse(&blocks[0].1).expect("the page's first example");
+        assert_eq!(suite.scenes.len(), 2);
+        let keys =
+            ["name", "file", "camera", "size", "spp", "max_depth", "reference", "guards", "truth", "accept"];
+        let missing: Vec<_> = keys.into_iter().filter(|k| !page.contains(&format!("| `{k}` |"))).collect();
         assert_eq!(missing, [""; 0]);
     }
 

@@ -6,10 +6,25 @@ use crate::command::Folder;
 #[test]
 fn help_teaches() {
     let folder = Folder::new();
-    for command in ["", "render", "explain", "info", "convert", "compare", "demo", "schema"] {
+    for command in [
+        "",
+        "render",
+        "explain",
+        "info",
+        "convert",
+        "compare",
+        "golden",
+        "golden record",
+        "golden verify",
+        "golden bless",
+        "golden report",
+        "golden power",
+        "demo",
+        "schema",
+    ] {
         let said = folder.done(&format!("{command} --help"));
         assert_eq!(said.err, "");
-        let name = if command.is_empty() { "epsilux" } else { command };
+        let name = if command.is_empty() { "epsilux".to_owned() } else { command.replace(' ', "_") };
         insta::assert_snapshot!(format!("help_{name}"), said.out);
     }
 }

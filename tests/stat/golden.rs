@@ -81,19 +81,19 @@ fn rarely_refused(name: &str, text: &str, trials: u64) {
 /// Guards the promise about false alarms where light is smooth.
 #[test]
 fn sound_diffuse_light_is_rarely_refused() {
-    rarely_refused("null cornell", CORNELL, 340);
+    rarely_refused("null-cornell", CORNELL, 340);
 }
 
 /// Guards the promise where most light comes by rare paths.
 #[test]
 fn sound_caustics_are_rarely_refused() {
-    rarely_refused("null caustic", CAUSTIC, 340);
+    rarely_refused("null-caustic", CAUSTIC, 340);
 }
 
 /// Guards the promise where everything comes together.
 #[test]
 fn sound_rooms_are_rarely_refused() {
-    rarely_refused("null hexroom", HEXROOM, 340);
+    rarely_refused("null-hexroom", HEXROOM, 340);
 }
 
 /// Makes every lamp this many times as bright.

@@ -264,11 +264,15 @@ fn sizes(files: &[File], findings: &mut Findings) {
 /// Every recorded reference has a reason: a line in the file of blessings that names it by its content.
 fn blessings(files: &[File], findings: &mut Findings) {
     let reasons = files.iter().find(|f| f.path == BLESSINGS).map_or("", |f| f.text.as_str());
-    let references = files.iter().filter(|f| f.path.starts_with(GOLDENS) && f.path.ends_with("/reference.json"));
+    let references =
+        files.iter().filter(|f| f.path.starts_with(GOLDENS) && f.path.ends_with("/reference.json"));
     for file in references {
-        let hash: String = Sha256::digest(file.text.as_bytes()).iter().take(8).map(|b| format!("{b:02x}")).collect();
+        let hash: String =
+            Sha256::digest(file.text.as_bytes()).iter().take(8).map(|b| format!("{b:02x}")).collect();
         if !reasons.contains(&hash) {
-            let what = format!("{hash}, expected a section in {BLESSINGS} that names it; `cargo xtask golden bless` writes one");
+            let what = format!(
+                "{hash}, expected a section in {BLESSINGS} that names it; `cargo xtask golden bless` writes one"
+            );
             findings.add(&file.path, 0, what);
         }
     }

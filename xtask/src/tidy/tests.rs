@@ -178,3 +178,14 @@ fn scenes_say_what_they_show() {
     check_file("scenes/b.toml", "#:schema x.json\n\nepsilux = 1", &found);
     check_file("scenes/b.schema.json", "{}", &[]);
 }
+
+/// Guards that no golden reference changes without a reason that is kept.
+#[test]
+fn references_need_a_reason() {
+    let reference = ("fixtures/golden/room/reference.json", "{}");
+    // The first digits of the SHA-256 of `{}`.
+    let found = "fixtures/golden/room/reference.json:0: 44136fa355b3678a, expected a section in fixtures/golden/BLESSINGS.md that names it; `cargo xtask golden bless` writes one";
+    assert_eq!(findings(&[reference]), [found]);
+    let reason = ("fixtures/golden/BLESSINGS.md", "## room\n\nreference.json 44136fa355b3678a.");
+    assert_eq!(findings(&[reference, reason]), [""; 0]);
+}
