@@ -7,6 +7,20 @@ use super::verdict::Verification;
 use super::words::percent;
 use crate::stats::gate::{Finding, Kind};
 
+/// Whether noise differs by more than the brightness of the picture explains.
+fn noise_is_another(findings: &[&Finding]) -> bool {
+    const DEVIATIONS: f64 = 5.0;
+    let find = |kind: Kind, of: &str| {
+        findings.iter().find(|f| f.statistic.kind == kind && f.statistic.of == of).copied()
+    };
+    let (Some(noise), Some(light)) = (find(Kind::Scalar, scalar::NOISE), find(Kind::Matched, super::PLANES[0]))
+    else {
+        return false;
+    };
+    let explained = 2.0 * libm::log1p(light.shift.max(-0.99));
+    (noise.shift - explained).abs() > DEVIATIONS * noise.error
+}
+
 /// The kind of change (of noise only, of the mean, of both, or none that is seen), and a table: each layer's light
 /// with its 95 % interval, and noise.
 #[must_use]
@@ -14,8 +28,10 @@ pub fn account(done: &Verification) -> (String, String) {
     let findings = || done.outcome.iter().flat_map(|o| &o.findings);
     let significant: Vec<&Finding> =
         done.outcome.iter().flat_map(|o| o.significant(done.significance)).collect();
-    let noise = significant.iter().any(|f| f.statistic.kind == Kind::Scalar);
     let mean = significant.iter().any(|f| f.statistic.kind != Kind::Scalar);
+    let scalar = significant.iter().any(|f| f.statistic.kind == Kind::Scalar);
+    // Where the picture is brighter as a whole, so is its noise, and the distance from the old mean says nothing.
+    let noise = scalar && (!mean || noise_is_another(&findings().collect::<Vec<_>>()));
     let kind = match (mean, noise) {
         (true, true) => "mean and noise changed",
         (true, false) => "the mean changed",

@@ -204,15 +204,18 @@ impl Reference {
         if !same {
             return Err(mismatch("the statistics are not those that this version chooses".to_owned()));
         }
-        let statistic = |s: StatisticText| NullStatistic {
+        let means = super::run::planes(&image);
+        let statistic = |(s, of): (StatisticText, &crate::stats::gate::Statistic)| NullStatistic {
             values: s.runs.iter().map(|&z| s.mean + 0.001 * f64::from(z) * s.deviation).collect(),
             mean: s.mean,
             deviation: s.deviation,
             skewness: s.skewness,
             scale: s.scale,
             linear: s.linear,
+            magnitude: of.magnitude(&means).unwrap_or(1.0),
         };
-        let null = Null { statistics: text.statistics.into_iter().map(statistic).collect() };
+        let null =
+            Null { statistics: text.statistics.into_iter().zip(&family.statistics).map(statistic).collect() };
         if null
             .statistics
             .iter()

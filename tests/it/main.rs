@@ -8,6 +8,7 @@ mod command;
 mod compare;
 mod convert;
 mod fixtures;
+mod golden;
 mod help;
 mod hostile;
 mod mistakes;

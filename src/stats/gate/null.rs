@@ -44,8 +44,10 @@ pub struct NullStatistic {
     pub deviation: f64,
     /// Third central moment over the cube of the deviation.
     pub skewness: f64,
-    /// What a shift is relative to.
+    /// What a change of all light, as a share, makes of it.
     pub scale: f64,
+    /// What a shift is a share of.
+    pub magnitude: f64,
     /// Mean and deviation without a bound on what a pixel contributes, for pictures whose noise is another.
     pub linear: [f64; 2],
 }
@@ -55,8 +57,8 @@ pub struct NullStatistic {
 pub struct Finding {
     /// Which one.
     pub statistic: Statistic,
-    /// How far it is from the mean of the null runs, as a share: 0.01 is one per cent more. For a scalar, the
-    /// difference.
+    /// How far it is from the mean of the null runs, as a share, with all that every pixel contributes: 0.01 is one
+    /// per cent more. For a scalar, the difference.
     pub shift: f64,
     /// The mean of the null runs.
     pub expected: f64,
@@ -136,7 +138,8 @@ impl Null {
             if statistic.kind == Kind::Scalar {
                 return null;
             }
-            NullStatistic { linear: linear(statistic, runs), ..null }
+            let magnitude: Moments = runs.iter().filter_map(|r| statistic.magnitude(r)).collect();
+            NullStatistic { linear: linear(statistic, runs), magnitude: magnitude.mean, ..null }
         };
         Some(Self { statistics: family.statistics.iter().enumerate().map(of).collect() })
     }
@@ -176,8 +179,9 @@ impl Null {
             // A single run has nobody to disagree with.
             let judged = if values.len() > 1 { limited } else { value };
             let p = if value.is_finite() { null.compare(judged, values.len(), accepted).1 } else { 0.0 };
-            let shift = (value - null.mean) / null.scale;
-            let error = null.error(values.len()) / null.scale;
+            let linear = runs.iter().filter_map(|r| statistic.linear(r)).sum::<f64>() / runs.len() as f64;
+            let shift = null.share(linear - null.linear[0]);
+            let error = null.share(null.linear[1] * null.spread(runs.len()));
             Some(Finding { statistic: statistic.clone(), shift, expected: null.mean, error, z, p, shared: p })
         };
         let all = self.statistics.iter().zip(&family.statistics).enumerate();
@@ -202,7 +206,7 @@ impl Null {
             let d = value - mean;
             let z = if d == 0.0 { 0.0 } else { d / error };
             let p = if z.is_finite() { two_sided(z) } else { 0.0 };
-            let (shift, error) = (d / null.scale, error / null.scale);
+            let (shift, error) = (null.share(d), null.share(error));
             Some(Finding { statistic: statistic.clone(), shift, expected: null.mean, error, z, p, shared: p })
         };
         let findings: Vec<Finding> =
@@ -236,8 +240,15 @@ impl NullStatistic {
         let m: Moments = values.iter().copied().collect();
         let (n, deviation) = (values.len() as f64, m.variance().sqrt());
         let scale = if scale > 0.0 { scale } else { 1.0 };
-        let plain =
-            Self { values, mean: m.mean, deviation, skewness: 0.0, scale, linear: [m.mean, deviation] };
+        let plain = Self {
+            values,
+            mean: m.mean,
+            deviation,
+            skewness: 0.0,
+            scale,
+            magnitude: 1.0,
+            linear: [m.mean, deviation],
+        };
         if deviation <= ROUNDING * scale {
             return Self { deviation: ROUNDING * scale, ..plain };
         }
@@ -277,7 +288,17 @@ impl NullStatistic {
 
     /// Standard error of the difference between the mean of some runs and that of the null runs.
     fn error(&self, runs: usize) -> f64 {
-        self.deviation * (1.0 / runs.max(1) as f64 + 1.0 / self.values.len() as f64).sqrt()
+        self.deviation * self.spread(runs)
+    }
+
+    /// The same for a deviation of one.
+    fn spread(&self, runs: usize) -> f64 {
+        (1.0 / runs.max(1) as f64 + 1.0 / self.values.len() as f64).sqrt()
+    }
+
+    /// A difference as a share of all.
+    fn share(&self, difference: f64) -> f64 {
+        if self.magnitude > 0.0 { difference / self.magnitude } else { difference }
     }
 
     /// The shift that the mean of `runs` runs shows with a probability of 99 % at this significance, on the side

@@ -128,11 +128,22 @@ impl Statistic {
 
     /// The value without a bound on terms.
     pub(super) fn linear(&self, run: &Planes) -> Option<f64> {
+        if self.kind == Kind::Scalar {
+            return self.value(run);
+        }
         self.sum(run, |w, x, c| w * (x - c))
     }
 
-    /// What a change of all light, as a share, makes of the value: shifts are relative to it. Where signs cancel it
-    /// is the sum without them, and one for a scalar.
+    /// The sum without signs and without a centre: what a shift is a share of. One for a scalar.
+    pub fn magnitude(&self, run: &Planes) -> Option<f64> {
+        if self.kind == Kind::Scalar {
+            return Some(1.0);
+        }
+        self.sum(run, |w, x, _| w.abs() * x)
+    }
+
+    /// What a small change of all light, as a share, makes of the value, bound and all: how sensitive it is. Where
+    /// signs cancel it is the sum without them, and one for a scalar.
     pub(super) fn scale(&self, runs: &[Planes]) -> f64 {
         const CHANGE: f64 = 0.01;
         let mean = |of: &dyn Fn(&Planes) -> Option<f64>| {
@@ -141,7 +152,7 @@ impl Statistic {
         let bounded = |d: f64| d.clamp(-self.bound, self.bound);
         match self.kind {
             Kind::Scalar => 1.0,
-            Kind::Wave { .. } => mean(&|run| self.sum(run, |w, x, _| w.abs() * x)),
+            Kind::Wave { .. } => mean(&|run| self.magnitude(run)),
             _ => {
                 let more = |w: f64, x: f64, c: f64| {
                     bounded(w * ((1.0 + CHANGE) * x - c)) - bounded(w * ((1.0 - CHANGE) * x - c))
