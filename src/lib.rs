@@ -9,6 +9,7 @@
 
 pub mod accel;
 pub mod bsdf;
+pub mod check;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod color;

@@ -13,7 +13,8 @@ fn noise_is_another(findings: &[&Finding]) -> bool {
     let find = |kind: Kind, of: &str| {
         findings.iter().find(|f| f.statistic.kind == kind && f.statistic.of == of).copied()
     };
-    let (Some(noise), Some(light)) = (find(Kind::Scalar, scalar::NOISE), find(Kind::Matched, super::PLANES[0]))
+    let (Some(noise), Some(light)) =
+        (find(Kind::Scalar, scalar::NOISE), find(Kind::Matched, super::PLANES[0]))
     else {
         return false;
     };

@@ -251,12 +251,8 @@ fn integrator(spp: u32, outcome: &Outcome) -> Found {
     let said = |f: &Finding| format!("{} +- {:.2} %", percent(f.shift), 100.0 * f.error);
     let whole_said = whole.map_or_else(|| "nothing to compare".to_owned(), said);
     let worst = outcome.findings.first().map_or_else(String::new, |f| {
-        format!(
-            "; the least probable of {} statistics is {}, p {:.2}",
-            outcome.findings.len(),
-            f.statistic,
-            outcome.p
-        )
+        let p = if outcome.p < 0.01 { format!("{:.0e}", outcome.p) } else { format!("{:.2}", outcome.p) };
+        format!("; the least probable of {} statistics is {}, p {p}", outcome.findings.len(), f.statistic)
     });
     Found {
         kind: "reference integrator".to_owned(),

@@ -1,0 +1,5 @@
+//! Hard cases about lights.
+
+use super::Case;
+
+pub(super) const CASES: &[Case] = &[];

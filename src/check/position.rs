@@ -1,0 +1,5 @@
+//! Hard cases about position.
+
+use super::Case;
+
+pub(super) const CASES: &[Case] = &[];
