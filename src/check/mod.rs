@@ -5,6 +5,8 @@
 //! run the proof on their own build and machine. A case knows its answer from a closed form, from an invariance, or
 //! from a slower and simpler computation; it never compares the renderer with a number copied from it.
 //!
+//! Some of it holds of any scene: [`check_scene`] measures that on one of the user's.
+//!
 //! Seeds are functions of a case's id. The bounds say why they are what they are, where that is not plain. Ids are
 //! never reused.
 
@@ -13,11 +15,16 @@ mod dielectrics;
 mod film;
 mod lights;
 mod materials;
+mod own;
 mod position;
 mod random;
+mod scaling;
 mod spheres;
 mod transport;
 mod triangles;
+
+pub use own::{Finding, Says, SceneCheckError, check_scene};
+pub use scaling::scaled;
 
 /// How long a case takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -309,11 +309,21 @@ pub(super) struct CompareArgs {
 Examples:
   epsilux check                      a line for each case
   epsilux check N13 --figures        rays at vertices and edges: leaks, with all figures
-  epsilux check --nightly            a hundred times the rays")]
+  epsilux check --nightly            a hundred times the rays
+  epsilux check --scene room.glb     on a scene of one's own")]
 pub(super) struct CheckArgs {
     /// Cases, such as N13 [default: all]
     #[arg(value_name = "ID")]
     pub(super) cases: Vec<String>,
+
+    /// Instead of the catalogue, what must hold of any scene, measured on this one: threads, kernels, scale, brute
+    /// force; and what is often wrong with scenes
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["cases", "nightly", "figures"])]
+    pub(super) scene: Option<PathBuf>,
+
+    /// Camera by name, with --scene [default: the scene's first]
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    pub(super) camera: Option<String>,
 
     /// Show every figure, not only those out of their bounds
     #[arg(long)]

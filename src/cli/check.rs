@@ -1,16 +1,19 @@
 //! `epsilux check`
 
+use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
 
-use super::Code;
-use super::args::CheckArgs;
+use super::args::{CheckArgs, LightUnitsArg, SceneArgs};
 use super::console::Console;
 use super::failure::Failure;
 use super::schema::to_json;
+use super::signal::Stop;
 use super::units::show_time;
-use crate::check::{Bound, Case, Effort, Figure, cases};
+use super::{Code, load, render};
+use crate::check::{Bound, Case, Effort, Figure, Finding, Says, SceneCheckError, cases, check_scene};
+use crate::integrate::Control;
 
 #[derive(Serialize)]
 struct CheckJson {
@@ -37,7 +40,76 @@ struct FigureJson {
     holds: bool,
 }
 
+#[derive(Serialize)]
+struct SceneJson {
+    schema: &'static str,
+    scene: String,
+    camera: String,
+    findings: Vec<FindingJson>,
+}
+
+#[derive(Serialize)]
+struct FindingJson {
+    name: &'static str,
+    /// `holds`, `fails`, `look` or `skipped`.
+    verdict: &'static str,
+    message: String,
+}
+
+/// Asks for an end on a signal.
+struct Stoppable(Stop);
+
+impl Control for Stoppable {
+    fn cancelled(&self) -> bool {
+        self.0.requested()
+    }
+}
+
+/// Pictures of a scene of one's own are this wide.
+const WIDTH: u32 = 64;
+
+/// What must hold of any scene.
+fn own(args: &CheckArgs, path: &Path, console: &Console) -> Result<Code, Failure> {
+    let scene = SceneArgs { scene: path.to_path_buf(), light_units: LightUnitsArg::Auto };
+    let loaded = load::load(&scene)?;
+    let camera = render::camera(&loaded.scene, args.camera.as_deref())?;
+    let name = camera.name.clone();
+    let [w, h] = render::picture_size(&loaded.scene, camera, None);
+    let size =
+        [WIDTH, (u64::from(WIDTH) * u64::from(h) / u64::from(w)).clamp(1, 4 * u64::from(WIDTH)) as u32];
+    let index = loaded.scene.cameras.iter().position(|c| c.name == name).unwrap_or(0);
+    let stop = Stoppable(Stop::listen());
+    let findings = check_scene(&loaded.scene, index, size, &stop).map_err(|e| match (e, stop.0.code()) {
+        (SceneCheckError::Cancelled, Some(code)) => Failure::stopped(code, "stopped"),
+        (e, _) => Failure::load(format!("{}: {e}", path.display())),
+    })?;
+    let fails = findings.iter().any(|f| f.verdict == Says::Fails);
+    let word = |says: Says| match says {
+        Says::Holds => "holds",
+        Says::Fails => "fails",
+        Says::Look => "look",
+        Says::Skipped => "skipped",
+    };
+    if args.json {
+        let finding = |f: Finding| FindingJson { name: f.name, verdict: word(f.verdict), message: f.message };
+        let json = SceneJson {
+            schema: "epsilux.check-scene/1",
+            scene: path.display().to_string(),
+            camera: name,
+            findings: findings.into_iter().map(finding).collect(),
+        };
+        console.result(&to_json(&json)?)?;
+    } else {
+        let line = |f: &Finding| format!("{:<8} {:<10} {}", word(f.verdict), f.name, f.message);
+        console.result(&findings.iter().map(line).collect::<Vec<_>>().join("\n"))?;
+    }
+    Ok(if fails { Code::Differs } else { Code::Done })
+}
+
 pub(super) fn run(args: &CheckArgs, console: &Console) -> Result<Code, Failure> {
+    if let Some(path) = &args.scene {
+        return own(args, path, console);
+    }
     let all = cases();
     let known = |id: &String| all.iter().any(|c| c.id.eq_ignore_ascii_case(id));
     if let Some(unknown) = args.cases.iter().find(|id| !known(id)) {
