@@ -17,6 +17,7 @@ mod lights;
 mod materials;
 mod own;
 mod position;
+mod prices;
 mod random;
 mod scaling;
 mod spheres;
@@ -24,6 +25,7 @@ mod transport;
 mod triangles;
 
 pub use own::{Finding, Says, SceneCheckError, check_scene};
+pub use prices::{Price, prices};
 pub use scaling::scaled;
 
 /// How long a case takes.

@@ -12,7 +12,7 @@ use super::schema::to_json;
 use super::signal::Stop;
 use super::units::show_time;
 use super::{Code, load, render};
-use crate::check::{Bound, Case, Effort, Figure, Finding, Says, SceneCheckError, cases, check_scene};
+use crate::check::{self, Bound, Case, Effort, Figure, Finding, Says, SceneCheckError, cases, check_scene};
 use crate::integrate::Control;
 
 #[derive(Serialize)]
@@ -54,6 +54,48 @@ struct FindingJson {
     /// `holds`, `fails`, `look` or `skipped`.
     verdict: &'static str,
     message: String,
+}
+
+#[derive(Serialize)]
+struct PriceJson {
+    choice: &'static str,
+    twin: &'static str,
+    ns: f64,
+    twin_ns: f64,
+    prevents: &'static str,
+    figure: f64,
+    twin_figure: f64,
+}
+
+/// What accuracy costs.
+fn prices(json: bool, console: &Console) -> Result<Code, Failure> {
+    let all = check::prices();
+    if json {
+        let row = |p: &check::Price| PriceJson {
+            choice: p.choice,
+            twin: p.twin,
+            ns: p.ns[0],
+            twin_ns: p.ns[1],
+            prevents: p.prevents,
+            figure: p.figures[0],
+            twin_figure: p.figures[1],
+        };
+        console.result(&to_json(&all.iter().map(row).collect::<Vec<_>>())?)?;
+        return Ok(Code::Done);
+    }
+    for p in all {
+        console.result(&format!(
+            "{}: {:.1} ns\n  instead of {}: {:.1} ns\n  {}: {} against {}",
+            p.choice,
+            p.ns[0],
+            p.twin,
+            p.ns[1],
+            p.prevents,
+            number(p.figures[0]),
+            number(p.figures[1])
+        ))?;
+    }
+    Ok(Code::Done)
 }
 
 /// Asks for an end on a signal.
@@ -109,6 +151,9 @@ fn own(args: &CheckArgs, path: &Path, console: &Console) -> Result<Code, Failure
 pub(super) fn run(args: &CheckArgs, console: &Console) -> Result<Code, Failure> {
     if let Some(path) = &args.scene {
         return own(args, path, console);
+    }
+    if args.prices {
+        return prices(args.json, console);
     }
     let all = cases();
     let known = |id: &String| all.iter().any(|c| c.id.eq_ignore_ascii_case(id));
