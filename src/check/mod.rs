@@ -20,6 +20,7 @@ mod position;
 mod prices;
 mod random;
 mod scaling;
+mod scenes;
 mod spheres;
 mod transport;
 mod triangles;
@@ -125,7 +126,7 @@ impl Figure {
 /// The catalogue, in the order of its ids.
 #[must_use]
 pub fn cases() -> Vec<&'static Case> {
-    let groups: [&[Case]; 9] = [
+    let groups: [&[Case]; 10] = [
         position::CASES,
         triangles::CASES,
         spheres::CASES,
@@ -135,6 +136,7 @@ pub fn cases() -> Vec<&'static Case> {
         transport::CASES,
         film::CASES,
         camera::CASES,
+        scenes::CASES,
     ];
     let mut cases: Vec<&Case> = groups.into_iter().flatten().collect();
     cases.sort_by_key(|c| c.id);

@@ -7,7 +7,9 @@ use crate::command::Folder;
 fn a_sound_scene_holds() {
     let folder = Folder::with_room();
     let said = folder.done("check --scene room.toml");
-    for line in ["holds    samples", "holds    threads", "holds    kernels", "holds    scale", "holds    camera"] {
+    for line in
+        ["holds    samples", "holds    threads", "holds    kernels", "holds    scale", "holds    camera"]
+    {
         assert!(said.out.contains(line), "{line}: {}", said.out);
     }
     let json = folder.done("check --scene room.toml --json");
@@ -23,7 +25,7 @@ fn what_is_wrong_with_a_scene_is_said() {
     folder.write(
         "odd.toml",
         "epsilux = 1
-environment = { color = [1, 1, 1] }
+environment = { radiance = [1, 1, 1] }
 camera.eye = { eye = [0, 0, 0.1], target = [0, 0, -1] }
 material.clear = { glass = { ior = 1.5 } }
 material.off = { light = [0, 0, 0] }
