@@ -192,6 +192,7 @@ fn make(random: &mut Random) -> Made {
         "epsilux = 1\n[camera]\nfront = { eye = [0.3, 1.1, 6], target = [0, 0.7, 0], fov = 45 }\n",
     );
     let (mut emission, mut reflectance, mut index, mut bounded) = (0.0f64, 0.0f64, 1.0f64, true);
+    let (mut materials, mut objects) = (String::new(), String::new());
     let colour = |random: &mut Random, most: f64| {
         let c = [0, 1, 2].map(|_| random.between(0.0, most));
         (format!("[{}, {}, {}]", c[0], c[1], c[2]), max_of(c))
@@ -256,14 +257,12 @@ fn make(random: &mut Random) -> Made {
                 at[1] + size
             ),
         };
-        let _ = write!(toml, "[material.{name}]\n");
-        let inner = text.trim_start_matches("{ ").trim_end_matches(" }");
-        let _ = writeln!(toml, "{inner}");
-        let _ = writeln!(toml, "[[object]]\nmaterial = \"{name}\"\n{shape}");
+        let _ = writeln!(materials, "{name} = {text}");
+        let _ = writeln!(objects, "[[object]]\nmaterial = \"{name}\"\n{shape}");
     }
     let _ = writeln!(
         toml,
-        "[material.floor]\ndiffuse = [0.6, 0.6, 0.6]\n[[object]]\nmaterial = \"floor\"\nrect = {{ corner = [-3, 0, 3], edges = [[6, 0, 0], [0, 0, -6]] }}"
+        "[material]\nfloor = {{ diffuse = [0.6, 0.6, 0.6] }}\n{materials}{objects}[[object]]\nmaterial = \"floor\"\nrect = {{ corner = [-3, 0, 3], edges = [[6, 0, 0], [0, 0, -6]] }}"
     );
     reflectance = reflectance.max(0.6);
     match random.bits() % 5 {
