@@ -258,7 +258,8 @@ impl Own<'_> {
                 let [a, b, c] =
                     t.map(|i| m.positions.get(i as usize).copied().unwrap_or(Vec3::NAN).as_dvec3());
                 let area: DVec3 = (b - a).cross(c - a);
-                !(area.length_squared() > 0.0)
+                let square = area.length_squared();
+                square.is_nan() || square <= 0.0
             };
             m.triangles.iter().filter(flat).count()
         };

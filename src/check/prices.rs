@@ -55,6 +55,9 @@ fn time<T, R>(inputs: &[T], mut call: impl FnMut(&T) -> R) -> f64 {
     1e9 * best / inputs.len().max(1) as f64
 }
 
+/// A ray, and two triangles with a common edge that it is aimed at.
+type Crossing = (Ray, [Vec3; 3], [Vec3; 3]);
+
 /// Rays at the common edge of two triangles that lie across their way: at least one must be hit.
 fn triangle() -> Price {
     let mut random = Random::of("price of a triangle");
@@ -76,16 +79,16 @@ fn triangle() -> Price {
             inputs.push((ray, [a, b, c], [b, a, d]));
         }
     }
-    let shear = |(ray, one, other): &(Ray, [Vec3; 3], [Vec3; 3])| {
+    let shear = |(ray, one, other): &Crossing| {
         let shear = Shear::new(ray);
         let hit = |[a, b, c]: [Vec3; 3]| shear.intersect(a, b, c).is_some();
         hit(*one) | hit(*other)
     };
-    let direct = |(ray, one, other): &(Ray, [Vec3; 3], [Vec3; 3])| {
+    let direct = |(ray, one, other): &Crossing| {
         let hit = |t: [Vec3; 3]| moeller_trumbore(ray.o, ray.d, t, Slips::NONE).is_some();
         hit(*one) | hit(*other)
     };
-    let leaks = |hit: &dyn Fn(&(Ray, [Vec3; 3], [Vec3; 3])) -> bool| {
+    let leaks = |hit: &dyn Fn(&Crossing) -> bool| {
         1e6 * inputs.iter().filter(|i| !hit(i)).count() as f64 / inputs.len() as f64
     };
     let figures = [leaks(&shear), leaks(&direct)];

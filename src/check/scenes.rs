@@ -231,7 +231,7 @@ fn make(random: &mut Random) -> Made {
                 reflectance = reflectance.max(0.97);
                 index = index.max(1.5);
                 let (metallic, rough) = (random.unit().round(), random.between(0.0, 1.0));
-                let transmission = if random.bits() % 4 == 0 { 1.0 } else { 0.0 };
+                let transmission = if random.bits().is_multiple_of(4) { 1.0 } else { 0.0 };
                 format!(
                     "{{ principled = {{ base_color = {c}, metallic = {metallic}, roughness = {rough}, transmission = {transmission} }} }}"
                 )

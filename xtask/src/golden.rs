@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     /// Scenes [default: all]
     #[arg(value_name = "NAME")]
     scenes: Vec<String>,
-    /// Four runs of each scene [default]
+    /// Four runs of each scene; the default
     #[arg(long, conflicts_with = "full")]
     quick: bool,
     /// Thirty-two runs of each scene
