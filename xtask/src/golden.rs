@@ -122,7 +122,7 @@ impl Bench {
         let folder = root.join("fixtures/golden");
         let entries = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         let mut suites: Vec<PathBuf> = entries
-            .filter_map(|e| Some(e.ok()?.file_name().into_string().ok()?))
+            .filter_map(|e| e.ok()?.file_name().into_string().ok())
             .map(|name| PathBuf::from(format!("fixtures/golden/{name}/golden.toml")))
             .filter(|suite| root.join(suite).is_file())
             .collect();
