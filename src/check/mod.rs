@@ -137,6 +137,25 @@ pub fn cases() -> Vec<&'static Case> {
 mod tests {
     use super::*;
 
+    #[test]
+    fn trial_run_of_cases() {
+        let only = std::env::var("ONLY").unwrap_or_default();
+        let mut failed = 0;
+        for case in cases() {
+            if !only.is_empty() && !only.split(',').any(|o| o == case.id) {
+                continue;
+            }
+            let begin = std::time::Instant::now();
+            let figures = (case.run)(Effort::Usual);
+            println!("{} {:.2} s", case.id, begin.elapsed().as_secs_f64());
+            for f in figures {
+                failed += i32::from(!f.holds());
+                println!("  {} {}: {:.4e} {:?}", if f.holds() { "ok  " } else { "FAIL" }, f.what, f.value, f.bound);
+            }
+        }
+        assert!(failed == 0, "{failed}");
+    }
+
     /// Guards the promise that ids are never reused, and bounds against what is not a number.
     #[test]
     fn ids_are_unique_and_bounds_are_strict() {
