@@ -5,16 +5,13 @@ mod transforms;
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 
 use super::random::Random;
-use super::stage::{camera, emitter, facing, picture, prepared, quad, sum_agrees, weighted};
+use super::stage::{U, camera, emitter, facing, larger, picture, prepared, quad, sum_agrees, weighted};
 use super::{Case, Class, Effort, Figure};
 use crate::accel::{PrimitiveId, RayKind};
 use crate::film::Image;
 use crate::prepare::CameraRays;
 use crate::sampling::warp::square_to_disk;
 use crate::scene::{Camera, FovAxis, Lens, Projection, Scene};
-
-/// Half a unit in the last place of single precision, relative.
-const U: f64 = 5.960_464_477_539_063e-8;
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -54,11 +51,6 @@ fn angle(a: DVec3, b: DVec3) -> f64 {
     libm::atan2(a.cross(b).length(), a.dot(b))
 }
 
-/// The larger of a figure and another; infinite where that is not a number.
-fn larger(most: f64, value: f64) -> f64 {
-    if value.is_nan() { f64::INFINITY } else { most.max(value) }
-}
-
 fn rays(effort: Effort) -> Vec<Figure> {
     let mut random = Random::of("N71");
     let trials = effort.trials(40_000);
@@ -77,7 +69,8 @@ fn rays(effort: Effort) -> Vec<Figure> {
                 let pixel = size.map(|n| (random.unit() * f64::from(n)) as u32);
                 let offset = [random.unit_f32(), random.unit_f32()];
                 let ray = made.ray(pixel, offset, || Vec2::ZERO);
-                let at = |i: usize| 2.0 * (f64::from(pixel[i]) + f64::from(offset[i])) / f64::from(size[i]) - 1.0;
+                let at =
+                    |i: usize| 2.0 * (f64::from(pixel[i]) + f64::from(offset[i])) / f64::from(size[i]) - 1.0;
                 off = larger(off, angle(ray.d.as_dvec3(), exact(&one, size, [at(0), -at(1)])));
                 rays += 1;
             }
@@ -132,11 +125,7 @@ fn far_hits(random: &mut Random, trials: u64) -> Figure {
         }
     }
     // A pixel is 0.17 metres wide. Of a metre each coordinate of the ray's direction keeps 24 bits.
-    Figure::at_most(
-        format!("{trials} hits a thousand kilometres away: error, metres"),
-        off,
-        32.0 * U * 100.0,
-    )
+    Figure::at_most(format!("{trials} hits a thousand kilometres away: error, metres"), off, 32.0 * U * 100.0)
 }
 
 /// The share of a picture that a square of side `side` at `distance` covers.
@@ -247,7 +236,11 @@ fn rays_of_a_lens(effort: Effort) -> Vec<Figure> {
     vec![
         Figure::exactly(format!("{what}: of aperture zero that differ from a pinhole's"), differ as f64, 0.0),
         // Origins keep 24 bits of five metres.
-        Figure::at_most(format!("{what}: distance from the point in focus, metres"), unfocused, 16.0 * U * 5.0),
+        Figure::at_most(
+            format!("{what}: distance from the point in focus, metres"),
+            unfocused,
+            16.0 * U * 5.0,
+        ),
         Figure::at_most(
             format!("{what}: relative error of the blur's radius, .025 (O19)"),
             (largest / 0.025 - 1.0).abs(),

@@ -46,7 +46,12 @@ pub(super) const CASES: &[Case] = &[
         guards: "Threads and the split of a render into ranges of passes do not change a single bit.",
         run: threads::same_bits,
     },
-    Case { id: "N68", class: Class::Unit, guards: "Uniform numbers stay below one.", run: numbers::below_one },
+    Case {
+        id: "N68",
+        class: Class::Unit,
+        guards: "Uniform numbers stay below one.",
+        run: numbers::below_one,
+    },
     Case {
         id: "N69",
         class: Class::Unit,

@@ -150,8 +150,26 @@ mod tests {
             println!("{} {:.2} s", case.id, begin.elapsed().as_secs_f64());
             for f in figures {
                 failed += i32::from(!f.holds());
-                println!("  {} {}: {:.4e} {:?}", if f.holds() { "ok  " } else { "FAIL" }, f.what, f.value, f.bound);
+                println!(
+                    "  {} {}: {:.4e} {:?}",
+                    if f.holds() { "ok  " } else { "FAIL" },
+                    f.what,
+                    f.value,
+                    f.bound
+                );
             }
+        }
+        use crate::scene::*;
+        for r in [1.0, 0.5] {
+            let mut scene = Scene { environment: Some(stage::sky(1.0)), ..Scene::default() };
+            let absorption = Some(Absorption { color: crate::color::Rgb::grey(0.5), distance: 1.0 });
+            let kind = MaterialKind::Glass(Glass { ior: 1.0, tint: crate::color::Rgb::WHITE, absorption });
+            stage::sphere(&mut scene, glam::DVec3::ZERO, r, kind);
+            let s = stage::Stage::new(scene, "x");
+            println!(
+                "camera in absorber of radius {r}: {}",
+                s.radiance(glam::DVec3::ZERO, glam::DVec3::Z, 0, 0)
+            );
         }
         assert!(failed == 0, "{failed}");
     }

@@ -25,6 +25,14 @@ const ROUNDING: f64 = 4e-6;
 /// Largest |z| that passes: two-sided 7e-6.
 const Z: f64 = 4.5;
 
+/// Half a unit in the last place of single precision, relative.
+pub(super) const U: f64 = 5.960_464_477_539_063e-8;
+
+/// The larger of a figure and the size of another; infinite where that is not a number.
+pub(super) fn larger(most: f64, value: f64) -> f64 {
+    if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) }
+}
+
 pub(super) fn diffuse(rho: f32) -> MaterialKind {
     MaterialKind::Diffuse { color: Rgb::grey(rho) }
 }

@@ -2,10 +2,9 @@
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-use super::{U, larger};
 use crate::accel::{PrimitiveId, RayKind};
 use crate::check::random::Random;
-use crate::check::stage::{Stage, diffuse, emitter, object, prepared};
+use crate::check::stage::{Stage, U, diffuse, emitter, larger, object, prepared};
 use crate::check::{Effort, Figure};
 use crate::import;
 use crate::scene::{Mesh, MeshId, Scene, Shape};
@@ -136,7 +135,9 @@ fn placed(name: &str, transform: DAffine3, random: &mut Random, effort: Effort) 
         Figure::exactly(format!("{what}: from outside that do not see the light"), dark as f64, 0.0),
         Figure::exactly(format!("{what}: from inside that see it"), lit as f64, 0.0),
         Figure::at_most(
-            format!("{what}: distance of hits from the exact plane of shared triangles, of the largest coordinate"),
+            format!(
+                "{what}: distance of hits from the exact plane of shared triangles, of the largest coordinate"
+            ),
             plane,
             8.0 * U,
         ),
@@ -202,7 +203,8 @@ fn nested(random: &mut Random) -> Vec<Figure> {
             let (json, m) = node(random, depth, mirrored && depth == 0);
             whole = product(&whole, &m);
             let last = depth + 1 == DEPTH;
-            let rest = if last { r#""mesh": 0"#.to_owned() } else { format!(r#""children": [{}]"#, depth + 1) };
+            let rest =
+                if last { r#""mesh": 0"#.to_owned() } else { format!(r#""children": [{}]"#, depth + 1) };
             nodes.push(format!("{{{json}, {rest}}}"));
         }
         let text = format!(

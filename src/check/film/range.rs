@@ -79,10 +79,27 @@ pub(super) fn bright(_: Effort) -> Vec<Figure> {
             all.push(Figure::exactly(what, written, 0.0));
         }
     }
+    // Radiance only scales a picture: by a power of two, to the last bit.
+    let one = picture(scene(1.0, 0.8), "N66", [48, 32], 16);
+    for exponent in [-90, 90] {
+        let scale = f32::from_bits(((127i32 + exponent) as u32) << 23);
+        let other = picture(scene(scale, 0.8), "N66", [48, 32], 16);
+        let differ = one.as_ref().zip(other.as_ref()).map_or(f64::NAN, |((one, _), (other, _))| {
+            let pairs = one.rgb.iter().zip(&other.rgb);
+            pairs.filter(|&(&a, &b)| a * scale != b).count() as f64
+        });
+        let what =
+            format!("pixels at a radiance of 2^{exponent} that are not 2^{exponent} times those at one");
+        all.push(Figure::exactly(what, differ, 0.0));
+    }
     let taken = |le: f32| f64::from(u8::from(validate(&mut scene(le, 0.8)).is_ok()));
     let taken_of = |les: &[f32]| les.iter().map(|&le| taken(le)).sum::<f64>();
     let above = [1.0001e30, 3e38, f32::INFINITY, f32::NAN, -1.0];
-    all.push(Figure::exactly("scenes taken with a radiance above 1e30, or that is none", taken_of(&above), 0.0));
+    all.push(Figure::exactly(
+        "scenes taken with a radiance above 1e30, or that is none",
+        taken_of(&above),
+        0.0,
+    ));
     let channel = {
         let mut one = scene(1.0, 0.8);
         one.environment = Some(crate::check::stage::sky(0.0));

@@ -32,8 +32,7 @@ fn room() -> Scene {
 }
 
 fn film(scene: &Prepared, passes: Range<u32>, threads: usize) -> Option<Film> {
-    let options =
-        RenderOptions { threads, features: true, layers: true, ..RenderOptions::passes(passes) };
+    let options = RenderOptions { threads, features: true, layers: true, ..RenderOptions::passes(passes) };
     render(scene, &options, &Quiet).ok().map(|outcome| outcome.film)
 }
 
@@ -51,7 +50,9 @@ pub(super) fn same_bits(_: Effort) -> Vec<Figure> {
         })
         .collect();
     // Two ranges, in either order, and one pass at a time, in reverse.
-    for ranges in [vec![0..5, 5..PASSES], vec![5..PASSES, 0..5], (0..PASSES).rev().map(|p| p..p + 1).collect()] {
+    for ranges in
+        [vec![0..5, 5..PASSES], vec![5..PASSES, 0..5], (0..PASSES).rev().map(|p| p..p + 1).collect()]
+    {
         let parts = ranges.len();
         let merged = ranges.into_iter().map(|range| film(range, 2)).reduce(|whole, part| {
             let mut whole = whole?;
