@@ -137,43 +137,6 @@ pub fn cases() -> Vec<&'static Case> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn trial_run_of_cases() {
-        let only = std::env::var("ONLY").unwrap_or_default();
-        let mut failed = 0;
-        for case in cases() {
-            if !only.is_empty() && !only.split(',').any(|o| o == case.id) {
-                continue;
-            }
-            let begin = std::time::Instant::now();
-            let figures = (case.run)(Effort::Usual);
-            println!("{} {:.2} s", case.id, begin.elapsed().as_secs_f64());
-            for f in figures {
-                failed += i32::from(!f.holds());
-                println!(
-                    "  {} {}: {:.4e} {:?}",
-                    if f.holds() { "ok  " } else { "FAIL" },
-                    f.what,
-                    f.value,
-                    f.bound
-                );
-            }
-        }
-        use crate::scene::*;
-        for r in [1.0, 0.5] {
-            let mut scene = Scene { environment: Some(stage::sky(1.0)), ..Scene::default() };
-            let absorption = Some(Absorption { color: crate::color::Rgb::grey(0.5), distance: 1.0 });
-            let kind = MaterialKind::Glass(Glass { ior: 1.0, tint: crate::color::Rgb::WHITE, absorption });
-            stage::sphere(&mut scene, glam::DVec3::ZERO, r, kind);
-            let s = stage::Stage::new(scene, "x");
-            println!(
-                "camera in absorber of radius {r}: {}",
-                s.radiance(glam::DVec3::ZERO, glam::DVec3::Z, 0, 0)
-            );
-        }
-        assert!(failed == 0, "{failed}");
-    }
-
     /// Guards the promise that ids are never reused, and bounds against what is not a number.
     #[test]
     fn ids_are_unique_and_bounds_are_strict() {
