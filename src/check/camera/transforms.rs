@@ -170,7 +170,7 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
 fn node(random: &mut Random, depth: usize, mirrored: bool) -> (String, Matrix) {
     let mut eighth = |size: f64| (random.between(-size, size) * 64.0).round() / 64.0;
     let [x, y, z] = [eighth(4.0), eighth(4.0), eighth(4.0)];
-    if depth % 3 == 0 {
+    if depth.is_multiple_of(3) {
         // A third of a turn about (1, 1, 1) takes x to y to z to x.
         let s = [1.25, 0.75, if mirrored { -1.0 } else { 1.0 }];
         let json = format!(
