@@ -141,7 +141,10 @@ pub(super) struct Stage(Option<(Prepared, Kernel)>);
 
 impl Stage {
     pub(super) fn new(scene: Scene, id: &str) -> Self {
-        Self(prepared(scene, id, [1, 1]).map(|p| (kernel(&p.plan), p)).map(|(k, p)| (p, k)))
+        Self(prepared(scene, id, [1, 1]).map(|scene| {
+            let kernel = kernel(&scene.plan);
+            (scene, kernel)
+        }))
     }
 
     /// Green of one sample along a ray.
