@@ -22,6 +22,7 @@ mod random;
 mod scaling;
 mod scenes;
 mod spheres;
+mod stage;
 mod transport;
 mod triangles;
 

@@ -34,7 +34,10 @@ macro_rules! hard_cases {
     };
 }
 
-hard_cases! { N07 N08 N32 N75 }
+hard_cases! {
+    N07 N08 N22 N23 N24 N25 N26 N27 N28 N29 N30 N31 N32 N33 N34 N37 N62
+    N63 N64 N65 N66 N67 N68 N69 N71 N72 N74 N75
+}
 
 /// Guards against a case that is in the catalogue and not here.
 #[test]
