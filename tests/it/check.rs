@@ -26,7 +26,7 @@ fn what_is_wrong_with_a_scene_is_said() {
         "odd.toml",
         "epsilux = 1
 environment = { radiance = [1, 1, 1] }
-camera.eye = { eye = [0, 0, 0.1], target = [0, 0, -1] }
+camera.eye = { eye = [0, 0, 0.1], target = [0, 0, -1], fov = 40 }
 material.clear = { glass = { ior = 1.5 } }
 material.off = { light = [0, 0, 0] }
 material.white = { diffuse = [0.5, 0.5, 0.5] }
