@@ -8,6 +8,7 @@
 //! Seeds are functions of a case's id. The bounds say why they are what they are, where that is not plain. Ids are
 //! never reused.
 
+mod build;
 mod camera;
 mod dielectrics;
 mod film;
@@ -143,5 +144,32 @@ mod tests {
         assert!(ids.windows(2).all(|w| w[0] < w[1]), "{ids:?}");
         assert!(!Figure::at_most("", f64::NAN, 1.0).holds() && !Figure::at_least("", f64::NAN, 1.0).holds());
         assert!(Figure::exactly("", 0.0, 0.0).holds() && !Figure::exactly("", 1.0, 0.0).holds());
+    }
+}
+
+#[cfg(test)]
+mod scratch {
+    use super::*;
+
+    #[test]
+    fn mine_hold() {
+        let only = std::env::var("ONLY").unwrap_or_default();
+        let mut failures = Vec::new();
+        for case in materials::CASES.iter().chain(lights::CASES).chain(transport::CASES) {
+            if !only.is_empty() && !only.split(',').any(|o| o == case.id) {
+                continue;
+            }
+            let start = std::time::Instant::now();
+            let figures = (case.run)(Effort::Usual);
+            let mut text = format!("== {} {:.2} s\n", case.id, start.elapsed().as_secs_f64());
+            for f in &figures {
+                text += &format!("{} {}: {:e} {:?}\n", if f.holds() { "  " } else { "!!" }, f.what, f.value, f.bound);
+                if !f.holds() {
+                    failures.push(format!("{} {}: {:e} {:?}", case.id, f.what, f.value, f.bound));
+                }
+            }
+            std::fs::write(format!("/tmp/hard3-{}.txt", case.id), &text).unwrap();
+        }
+        assert!(failures.is_empty(), "{}", failures.join("\n"));
     }
 }
