@@ -13,8 +13,8 @@ use crate::integrate::{Counters, LiFn, kernel};
 use crate::prepare::{EffectsMode, Options, Prepared, prepare};
 use crate::sampling::Address;
 use crate::scene::{
-    Environment, Glass, Light, LightKind, Material, MaterialId, MaterialKind, Mesh, MeshId, Object, Principled,
-    Scene, Shape, Sides, complete, validate,
+    Environment, Glass, Light, LightKind, Material, MaterialId, MaterialKind, Mesh, MeshId, Object,
+    Principled, Scene, Shape, Sides, complete, validate,
 };
 use crate::shape::Ray;
 use crate::stats::{Moments, normal_quantile, student_two_sided};
@@ -202,7 +202,13 @@ pub(super) fn compile(kind: MaterialKind) -> Option<Bsdf> {
 
 /// Of a mean: how far it is from `expected`, relative, and in standard errors, as normal ones that are as improbable.
 /// Rounding along the path, `rounding`, is no error.
-pub(super) fn beside(what: &str, mean: Option<Moments>, expected: f64, rounding: f64, most: f64) -> [Figure; 2] {
+pub(super) fn beside(
+    what: &str,
+    mean: Option<Moments>,
+    expected: f64,
+    rounding: f64,
+    most: f64,
+) -> [Figure; 2] {
     let (off, z) = mean.map_or((f64::NAN, f64::NAN), |m| {
         let off = (m.mean - expected).abs();
         let beyond = (off - rounding * expected).max(0.0);

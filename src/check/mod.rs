@@ -163,7 +163,13 @@ mod scratch {
             let figures = (case.run)(Effort::Usual);
             let mut text = format!("== {} {:.2} s\n", case.id, start.elapsed().as_secs_f64());
             for f in &figures {
-                text += &format!("{} {}: {:e} {:?}\n", if f.holds() { "  " } else { "!!" }, f.what, f.value, f.bound);
+                text += &format!(
+                    "{} {}: {:e} {:?}\n",
+                    if f.holds() { "  " } else { "!!" },
+                    f.what,
+                    f.value,
+                    f.bound
+                );
                 if !f.holds() {
                     failures.push(format!("{} {}: {:e} {:?}", case.id, f.what, f.value, f.bound));
                 }
