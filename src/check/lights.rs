@@ -3,6 +3,8 @@
 mod choice;
 mod extent;
 
+pub(super) use extent::chi_square_p;
+
 use std::f64::consts::{FRAC_PI_4, PI, SQRT_2};
 
 use glam::{DVec3, Vec3};

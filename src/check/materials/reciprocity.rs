@@ -1,0 +1,55 @@
+//! Reciprocity.
+
+use glam::Vec3;
+
+use super::super::build::{compile, diffuse, principled, worst};
+use super::super::random::Random;
+use super::super::{Effort, Figure};
+use crate::bsdf::{Bsdf, Transport};
+
+/// What compensation for multiple scattering divides the value by. It depends on one direction alone and is, as the
+/// material's documentation says, what is not reciprocal about rough lobes; without it they must be.
+fn albedo(bsdf: &Bsdf, wo: Vec3) -> f64 {
+    let Bsdf::Principled(p) = bsdf else { return 1.0 };
+    let mu = wo.z.abs();
+    let found = match (&p.rough, &p.white) {
+        (Some(rough), _) => rough.total[usize::from(wo.z < 0.0)].at(mu),
+        (None, Some(white)) => white.at(mu),
+        _ => 1.0,
+    };
+    f64::from(found)
+}
+
+/// N44.
+pub(super) fn pairs(effort: Effort) -> Vec<Figure> {
+    let ior = 1.5f64;
+    let mut figures = Vec::new();
+    let mut list = vec![("diffuse".to_owned(), diffuse(0.7))];
+    for alpha in [0.1, 0.25, 0.5, 1.0f32] {
+        for (name, metal) in [("metal", 1.0), ("glass", 0.0)] {
+            let kind = principled(|p| {
+                (p.metallic, p.transmission, p.roughness) = (metal, 1.0 - metal, alpha.sqrt())
+            });
+            list.push((format!("{name} of width {alpha}"), kind));
+        }
+    }
+    for (name, kind) in list {
+        let mut random = Random::of(&format!("N44 {name}"));
+        let Some(bsdf) = compile(kind) else { return vec![Figure::exactly("compiled", f64::NAN, 1.0)] };
+        let f =
+            |a: Vec3, b: Vec3| f64::from(bsdf.f_and_pdf(a, b, Transport::Radiance).0.g) * albedo(&bsdf, a);
+        let mut off = 0f64;
+        for _ in 0..effort.trials(100_000) {
+            let (a, b) = (random.direction(), random.direction());
+            // Radiance grows by the square of the index of the medium that it enters.
+            let index2 = |w: Vec3| if w.z > 0.0 { 1.0 } else { ior * ior };
+            let (one, other) = (f(a, b) / index2(a), f(b, a) / index2(b));
+            let size = one.max(other);
+            if size > 0.0 {
+                off = worst([off, (one - other).abs() / size]);
+            }
+        }
+        figures.push(Figure::at_most(format!("{name}, 1e5 pairs: relative difference"), off, 1e-5));
+    }
+    figures
+}
