@@ -3,7 +3,7 @@
 //! Samples of one replication are one low-discrepancy sequence, so that their own variance says nothing about the
 //! error of their mean; the means of sixteen replications do.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 
 use super::Figure;
 use super::random::Random;
@@ -17,7 +17,7 @@ use crate::scene::{
     Principled, Scene, Shape, Sides, complete, validate,
 };
 use crate::shape::Ray;
-use crate::stats::{Moments, normal_quantile, student_two_sided};
+use crate::stats::{Moments, normal_quantile, student_two_sided, welch};
 
 /// Independent replications of a mean.
 const REPLICATIONS: u32 = 16;
@@ -58,12 +58,6 @@ pub(super) fn principled(change: impl FnOnce(&mut Principled)) -> MaterialKind {
 pub(super) fn sky(radiance: f32) -> Option<Environment> {
     let radiance = Rgb::grey(radiance);
     Some(Environment { name: "sky".into(), radiance, image: None, visible_to_camera: true })
-}
-
-/// Own +Z along the unit vector `z`, at `position`.
-pub(super) fn facing(position: DVec3, z: DVec3) -> DAffine3 {
-    let x = z.any_orthonormal_vector();
-    DAffine3::from_mat3_translation(DMat3::from_cols(x, z.cross(x), z), position)
 }
 
 /// A scene that grows.
@@ -141,6 +135,12 @@ pub(super) struct Probe {
     direction: DVec3,
 }
 
+impl Probe {
+    pub(super) fn ray(&self) -> Ray {
+        Ray::new(self.origin.as_vec3(), self.direction.as_vec3())
+    }
+}
+
 pub(super) fn probe(origin: DVec3, direction: DVec3) -> Probe {
     Probe { origin, direction: direction.normalize() }
 }
@@ -175,9 +175,8 @@ impl Shooter {
 
     /// One sample along a ray.
     pub(super) fn radiance(&self, probe: &Probe, pixel: u64, replication: u32, index: u32) -> Rgb {
-        let ray = Ray::new(probe.origin.as_vec3(), probe.direction.as_vec3());
         let address = Address::new(self.prepared.seed, pixel, replication, index);
-        (self.li)(&self.prepared, address, ray, &mut Counters::default())
+        (self.li)(&self.prepared, address, probe.ray(), &mut Counters::default())
     }
 
     /// The mean over all probes of at least `samples` samples in all replications together; the scenes are grey.
@@ -226,8 +225,16 @@ pub(super) fn z_score(off: f64, mean: &Moments) -> f64 {
         return 0.0;
     }
     let t = off / mean.variance_of_mean().sqrt();
-    let p = student_two_sided(t, (mean.n - 1) as f64);
-    // Where the probability is below every number, it is far beyond every bound.
+    normal_score(student_two_sided(t, (mean.n - 1) as f64), t)
+}
+
+/// How many standard errors apart two means are, in the same measure.
+pub(super) fn apart(a: &Moments, b: &Moments) -> f64 {
+    welch(a, b).map_or(f64::NAN, |w| normal_score(w.p, w.t.abs()))
+}
+
+/// The normal number that is as improbable as `p`; where that is below every number, `t` is far beyond every bound.
+fn normal_score(p: f64, t: f64) -> f64 {
     if p > 0.0 { -normal_quantile(0.5 * p) } else { t }
 }
 

@@ -188,7 +188,7 @@ fn mirror_limit(effort: Effort) -> Vec<Figure> {
 }
 
 /// Fresnel's equations for a dielectric, in `f64`: reflectance and the cosine beyond.
-fn exact(cos: f64, eta: f64) -> (f64, f64) {
+pub(super) fn exact(cos: f64, eta: f64) -> (f64, f64) {
     let s2 = (1.0 - cos) * (1.0 + cos) / (eta * eta);
     if s2 >= 1.0 {
         return (1.0, 0.0);

@@ -1,5 +1,8 @@
 //! Hard cases about transport: closed rooms, what a depth is, roulette, emitters in shells, mirrors.
 
+mod caustic;
+mod ways;
+
 use glam::{DVec3, Vec3};
 
 use super::build::{Build, Probe, Shooter, beside, diffuse, glowing, mirror, probe, sky, worst};
@@ -14,6 +17,12 @@ use crate::scene::Scene;
 use crate::shape::{Ray, offset_origin};
 
 pub(super) const CASES: &[Case] = &[
+    Case {
+        id: "N55",
+        class: Class::Statistical,
+        guards: "A light is as bright however it is found: by itself, by chance, or by both ways together.",
+        run: ways::ways,
+    },
     Case {
         id: "N56",
         class: Class::Statistical,
@@ -43,6 +52,12 @@ pub(super) const CASES: &[Case] = &[
         class: Class::Unit,
         guards: "Mirrors in a row keep the colour, mirrors in a corner the direction.",
         run: mirrors,
+    },
+    Case {
+        id: "N61",
+        class: Class::Statistical,
+        guards: "Light that glass focuses on a floor is as bright as paths from the light say.",
+        run: caustic::caustic,
     },
 ];
 
