@@ -268,7 +268,7 @@ fn form_factors(effort: Effort) -> Vec<Figure> {
             (0..rows * columns).map(|i| DVec3::new(at(i / columns, rows), at(i % columns, columns), 0.0));
         let probes: Vec<Probe> = points.map(|p| look_at(p, DVec3::Z, 1e-4)).collect();
         let shooter = Shooter::new(&format!("N52 {id}"), &scene, Some(1));
-        let mean = shooter.map(|s| s.mean(&probes, effort.trials(1 << 20)));
+        let mean = shooter.map(|s| s.mean(&probes, effort.trials(1 << 19)));
         figures.push(Figure::at_most(
             format!("{id}: closed form and list"),
             (expected - listed).abs(),

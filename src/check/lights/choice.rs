@@ -59,6 +59,8 @@ fn odd_lights() -> [f64; 2] {
     scene.square(DVec3::new(-0.3, 0.0, 1.0), -DVec3::Z, 0.1, emitter(0.0));
     let flat = [DVec3::Z, DVec3::Z + DVec3::X, DVec3::Z + 2.0 * DVec3::X];
     scene.mesh(&flat, vec![[0, 1, 2]], emitter(7.0));
+    // Nor does a sphere that stands next to the mesh without area in every list.
+    scene.sphere(DVec3::new(1.0, 0.0, 0.5), 0.2, diffuse(0.0));
     let black = LightKind::Area { shape: AreaShape::Rectangle, size: [1.0; 2], radiance: Rgb::BLACK };
     scene.light(black, DAffine3::from_translation(DVec3::new(0.0, 1.0, 3.0)));
     let ray = look_at(DVec3::new(0.01, 0.02, 0.0), DVec3::Z, 0.5);

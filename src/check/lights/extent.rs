@@ -186,7 +186,7 @@ fn chi_square(effort: Effort) -> f64 {
         let at = |o: f64, i: usize| [o + i as f64 / n as f64, o + (i + 1) as f64 / n as f64];
         let expected: Vec<f64> =
             (0..n * n).map(|i| rectangle_solid_angle(at(-x, i / n), at(-y, i % n), z)).collect();
-        chi_square_p(&expected, &counts).0
+        chi_square_p(&expected, &counts)
     };
     sidak(
         views.into_iter().map(one).fold(1.0, |a: f64, b| if b.is_nan() { b } else { a.min(b) }),
@@ -194,12 +194,11 @@ fn chi_square(effort: Effort) -> f64 {
     )
 }
 
-/// Probability of counts at least as far from `expected`, up to a factor; and how many fell where nothing belongs. Cells
-/// that expect fewer than five share a class. The tail is that of Wilson and Hilferty (PNAS 17, 1931).
-pub(in super::super) fn chi_square_p(expected: &[f64], counts: &[u32]) -> (f64, u32) {
+/// Probability of counts at least as far from `expected`, up to a factor. Cells that expect fewer than five share a class. The tail is that of Wilson and Hilferty (PNAS 17, 1931).
+pub(in super::super) fn chi_square_p(expected: &[f64], counts: &[u32]) -> f64 {
     let total: f64 = expected.iter().sum();
     let n = f64::from(counts.iter().sum::<u32>());
-    let (mut x, mut freedom, mut stray) = (0.0, -1.0, 0);
+    let (mut x, mut freedom) = (0.0, -1.0);
     let (mut rest, mut rest_count) = (0.0, 0.0);
     let mut add = |e: f64, count: f64| {
         x += (count - e) * (count - e) / e;
@@ -211,17 +210,14 @@ pub(in super::super) fn chi_square_p(expected: &[f64], counts: &[u32]) -> (f64, 
             add(e, f64::from(count));
         } else {
             (rest, rest_count) = (rest + e, rest_count + f64::from(count));
-            if e == 0.0 {
-                stray += count;
-            }
         }
     }
     if rest >= 5.0 {
         add(rest, rest_count);
     }
     if freedom < 1.0 {
-        return (f64::NAN, stray);
+        return f64::NAN;
     }
     let v = 2.0 / (9.0 * freedom);
-    (normal_cdf(-(libm::cbrt(x / freedom) - (1.0 - v)) / v.sqrt()), stray)
+    normal_cdf(-(libm::cbrt(x / freedom) - (1.0 - v)) / v.sqrt())
 }

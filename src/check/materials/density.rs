@@ -49,6 +49,11 @@ pub(super) fn samples(effort: Effort) -> Vec<Figure> {
     let (mut smallest, mut name, mut count, mut stray, mut all) = (1f64, String::new(), 0, 0.0, 0.0);
     for (rough, directions) in lobes() {
         for wo in directions {
+            if f64::from(wo.z.abs()) * rough.alpha < 5e-6 {
+                // The normal that two directions in single precision have between them is off by 6e-8 over the cosine
+                // and falls on a grid as coarse: three hundredths of the lobe for the narrowest and most grazing one.
+                continue;
+            }
             let mut expected = vec![0.0; 2 * RINGS * SECTORS];
             normals(rough.alpha, RINGS * n, SECTORS * n, |i, k, m, solid_angle| {
                 for (side, (direction, _)) in rough.directions(wo, m).into_iter().enumerate() {
@@ -70,7 +75,10 @@ pub(super) fn samples(effort: Effort) -> Vec<Figure> {
                     all += 1.0;
                 }
             }
-            let (p, outside) = chi_square_p(&expected, &counts);
+            let p = chi_square_p(&expected, &counts);
+            let outside = strays(&expected, &counts);
+            #[cfg(test)]
+            { use std::io::Write; let mut f = std::fs::OpenOptions::new().create(true).append(true).open("/tmp/hard3-lobes").unwrap(); writeln!(f, "{id}: {p:e} stray {outside} total {}", expected.iter().sum::<f64>()).unwrap(); }
             (count, stray) = (count + 1, stray + f64::from(outside));
             if p.is_nan() || p < smallest {
                 (smallest, name) = (p, id);
@@ -83,9 +91,21 @@ pub(super) fn samples(effort: Effort) -> Vec<Figure> {
     ]
 }
 
+/// How many samples lie in cells where nothing belongs, nor around them: rounding may take a sample over the border of a
+/// cell, and the sum over a cell may miss a sliver of the lobe.
+fn strays(expected: &[f64], counts: &[u32]) -> u32 {
+    let empty = |cell: usize| {
+        let (side, i, k) = (cell / (RINGS * SECTORS), cell / SECTORS % RINGS, cell % SECTORS);
+        let rows = i.saturating_sub(1)..=(i + 1).min(RINGS - 1);
+        rows.flat_map(|i| [SECTORS - 1, 0, 1].map(|by| (side * RINGS + i) * SECTORS + (k + by) % SECTORS))
+            .all(|cell| expected[cell] == 0.0)
+    };
+    counts.iter().enumerate().filter(|&(cell, &count)| count > 0 && empty(cell)).map(|(_, &count)| count).sum()
+}
+
 /// N42. Sampling rejects a direction that leaves to the wrong side of its normal: light that single scattering loses.
-pub(super) fn integrals(_: Effort) -> Vec<Figure> {
-    let (mut off, mut most_rejected, mut count) = (0f64, 0f64, 0);
+pub(super) fn integrals(effort: Effort) -> Vec<Figure> {
+    let (mut off, mut surprise, mut count) = (0f64, 0f64, 0);
     for (rough, directions) in lobes() {
         for wo in directions {
             let up = Vec3::new(wo.x, wo.y, wo.z.abs()).as_dvec3();
@@ -102,7 +122,17 @@ pub(super) fn integrals(_: Effort) -> Vec<Figure> {
                 }
             });
             off = worst([off, (sum + rejected - 1.0).abs()]);
-            most_rejected = worst([most_rejected, rejected]);
+            let mut random = Random::of(&format!("N42 {} {}", rough.name, wo.z));
+            let none = |_: &u64| {
+                let u = [random.unit_f32(), random.unit_f32(), random.unit_f32()];
+                rough.bsdf.sample(wo, u, Transport::Radiance).is_none()
+            };
+            let n = effort.trials(10_000);
+            let found = (0..n).filter(none).count() as f64 / n as f64;
+            let deviation = (rejected * (1.0 - rejected) / n as f64).max(0.0).sqrt();
+            surprise = worst([surprise, ((found - rejected).abs() - 4.5 * deviation).max(0.0)]);
+            #[cfg(test)]
+            { use std::io::Write; let mut f = std::fs::OpenOptions::new().create(true).append(true).open("/tmp/hard3-rejected").unwrap(); writeln!(f, "{} {}: {found} {rejected} z {}", rough.name, wo.z, (found-rejected)/deviation).unwrap(); }
             count += 1;
         }
     }
@@ -123,7 +153,7 @@ pub(super) fn integrals(_: Effort) -> Vec<Figure> {
     }
     vec![
         Figure::at_most(format!("density and what is rejected, {count} lobes: less one"), off, 1e-4),
-        Figure::at_most("largest share rejected", most_rejected, 1.0),
+        Figure::at_most("share of 1e4 samples rejected, the worst lobe: off, beyond 4.5 standard deviations", surprise, 1e-3),
         Figure::at_most(
             "density and delta lobe of layers over diffuse, 12 lobes: less one",
             layers_off,
@@ -178,7 +208,7 @@ pub(super) fn weights(effort: Effort) -> Vec<Figure> {
     for (_, bsdf) in mixtures() {
         let Some(bsdf) = bsdf else { return vec![Figure::exactly("compiled", f64::NAN, 1.0)] };
         for wo in COSINES.into_iter().flat_map(|mu| [direction(mu), -direction(mu)]) {
-            for _ in 0..effort.trials(1000) {
+            for _ in 0..effort.trials(200) {
                 let u = [random.unit_f32(), random.unit_f32(), random.unit_f32()];
                 let Some(s) = bsdf.sample(wo, u, Transport::Radiance).filter(|s| !s.delta) else { continue };
                 let (f, pdf) = bsdf.f_and_pdf(wo, s.wi, Transport::Radiance);

@@ -61,7 +61,7 @@ pub(super) fn single_scattering(mu: f64, alpha: f64) -> f64 {
     let wo = DVec3::new(((1.0 - mu) * (1.0 + mu)).sqrt(), 0.0, mu);
     let mut sum = 0.0;
     let lambda_o = lambda(wo, alpha);
-    normals(alpha, 600, 240, |_, _, m, solid_angle| {
+    normals(alpha, 1200, 400, |_, _, m, solid_angle| {
         let cos = wo.dot(m);
         let wi = m * (2.0 * cos) - wo;
         if cos > 0.0 && wi.z > 0.0 {
