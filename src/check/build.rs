@@ -194,9 +194,15 @@ impl Shooter {
 
 /// The compiled form of a material.
 pub(super) fn compile(kind: MaterialKind) -> Option<Bsdf> {
-    let scene = Scene { materials: vec![Material { name: "the one".into(), kind }], ..Scene::default() };
-    let shooter = Shooter::new("", &scene, None)?;
-    shooter.prepared.materials.first().map(|m| m.bsdf.clone())
+    compile_all(vec![kind])?.pop()
+}
+
+/// The same of many, which share their tables.
+pub(super) fn compile_all(kinds: Vec<MaterialKind>) -> Option<Vec<Bsdf>> {
+    let named = |(i, kind)| Material { name: format!("material {i}"), kind };
+    let materials = kinds.into_iter().enumerate().map(named).collect();
+    let shooter = Shooter::new("", &Scene { materials, ..Scene::default() }, None)?;
+    Some(shooter.prepared.materials.iter().map(|m| m.bsdf.clone()).collect())
 }
 
 /// Of a mean: how far it is from `expected`, relative, and in standard errors, as normal ones that are as improbable.

@@ -126,7 +126,7 @@ fn squares(effort: Effort) -> Vec<Figure> {
         let shooter = Shooter::new(&format!("N49 {id}"), &scene, Some(1));
         let mean = shooter.map(|s| s.mean(&[ray], effort.trials(1 << 16)));
         figures.push(Figure::at_most(format!("{id}: closed form and list"), listed_off, 1e-8));
-        figures.extend(beside(&format!("{id}: square light"), mean, irradiance / PI, 4e-6, 0.003));
+        figures.extend(beside(&format!("{id}: square light"), mean, irradiance / PI, 1e-5, 0.003));
     }
     figures
 }
@@ -202,7 +202,7 @@ fn spheres(effort: Effort) -> Vec<Figure> {
         let shooter = Shooter::new(&format!("N51 {id}"), &scene, Some(1));
         let mean = shooter.map(|s| s.mean(&[ray], effort.trials(1 << 16)));
         figures.push(Figure::at_most(format!("{id}: closed form and list, in last digits"), listed_off, 1.0));
-        figures.extend(beside(&format!("{id}: sphere light"), mean, irradiance / PI, 4e-6, 0.003));
+        figures.extend(beside(&format!("{id}: sphere light"), mean, irradiance / PI, 1e-5, 0.003));
     }
     figures.extend(sphere_densities());
     figures

@@ -160,7 +160,8 @@ mod scratch {
                 continue;
             }
             let start = std::time::Instant::now();
-            let figures = (case.run)(Effort::Usual);
+            let night = std::env::var("NIGHT").is_ok();
+            let figures = (case.run)(if night { Effort::Nightly } else { Effort::Usual });
             let mut text = format!("== {} {:.2} s\n", case.id, start.elapsed().as_secs_f64());
             for f in &figures {
                 text += &format!(
@@ -174,7 +175,8 @@ mod scratch {
                     failures.push(format!("{} {}: {:e} {:?}", case.id, f.what, f.value, f.bound));
                 }
             }
-            std::fs::write(format!("/tmp/hard3-{}.txt", case.id), &text).unwrap();
+            std::fs::write(format!("/tmp/hard3-{}{}.txt", case.id, if night { "-night" } else { "" }), &text)
+                .unwrap();
         }
         assert!(failures.is_empty(), "{}", failures.join("\n"));
     }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::super::build::{compile, principled, worst};
+use super::super::build::{compile, compile_all, principled, worst};
 use super::super::lights::chi_square_p;
 use super::super::random::Random;
 use super::super::{Effort, Figure};
@@ -78,7 +78,12 @@ pub(super) fn samples(effort: Effort) -> Vec<Figure> {
             let p = chi_square_p(&expected, &counts);
             let outside = strays(&expected, &counts);
             #[cfg(test)]
-            { use std::io::Write; let mut f = std::fs::OpenOptions::new().create(true).append(true).open("/tmp/hard3-lobes").unwrap(); writeln!(f, "{id}: {p:e} stray {outside} total {}", expected.iter().sum::<f64>()).unwrap(); }
+            {
+                use std::io::Write;
+                let mut f =
+                    std::fs::OpenOptions::new().create(true).append(true).open("/tmp/hard3-lobes").unwrap();
+                writeln!(f, "{id}: {p:e} stray {outside} total {}", expected.iter().sum::<f64>()).unwrap();
+            }
             (count, stray) = (count + 1, stray + f64::from(outside));
             if p.is_nan() || p < smallest {
                 (smallest, name) = (p, id);
@@ -100,7 +105,12 @@ fn strays(expected: &[f64], counts: &[u32]) -> u32 {
         rows.flat_map(|i| [SECTORS - 1, 0, 1].map(|by| (side * RINGS + i) * SECTORS + (k + by) % SECTORS))
             .all(|cell| expected[cell] == 0.0)
     };
-    counts.iter().enumerate().filter(|&(cell, &count)| count > 0 && empty(cell)).map(|(_, &count)| count).sum()
+    counts
+        .iter()
+        .enumerate()
+        .filter(|&(cell, &count)| count > 0 && empty(cell))
+        .map(|(_, &count)| count)
+        .sum()
 }
 
 /// N42. Sampling rejects a direction that leaves to the wrong side of its normal: light that single scattering loses.
@@ -132,7 +142,22 @@ pub(super) fn integrals(effort: Effort) -> Vec<Figure> {
             let deviation = (rejected * (1.0 - rejected) / n as f64).max(0.0).sqrt();
             surprise = worst([surprise, ((found - rejected).abs() - 4.5 * deviation).max(0.0)]);
             #[cfg(test)]
-            { use std::io::Write; let mut f = std::fs::OpenOptions::new().create(true).append(true).open("/tmp/hard3-rejected").unwrap(); writeln!(f, "{} {}: {found} {rejected} z {}", rough.name, wo.z, (found-rejected)/deviation).unwrap(); }
+            {
+                use std::io::Write;
+                let mut f = std::fs::OpenOptions::new()
+                    .create(true)
+                    .append(true)
+                    .open("/tmp/hard3-rejected")
+                    .unwrap();
+                writeln!(
+                    f,
+                    "{} {}: {found} {rejected} z {}",
+                    rough.name,
+                    wo.z,
+                    (found - rejected) / deviation
+                )
+                .unwrap();
+            }
             count += 1;
         }
     }
@@ -153,7 +178,11 @@ pub(super) fn integrals(effort: Effort) -> Vec<Figure> {
     }
     vec![
         Figure::at_most(format!("density and what is rejected, {count} lobes: less one"), off, 1e-4),
-        Figure::at_most("share of 1e4 samples rejected, the worst lobe: off, beyond 4.5 standard deviations", surprise, 1e-3),
+        Figure::at_most(
+            "share of 1e4 samples rejected, the worst lobe: off, beyond 4.5 standard deviations",
+            surprise,
+            1e-3,
+        ),
         Figure::at_most(
             "density and delta lobe of layers over diffuse, 12 lobes: less one",
             layers_off,
@@ -180,33 +209,32 @@ fn whole(bsdf: &Bsdf, wo: Vec3) -> f64 {
 }
 
 /// Materials with all kinds of lobes.
-fn mixtures() -> Vec<(String, Option<Bsdf>)> {
-    let mut list = vec![("diffuse".to_owned(), compile(MaterialKind::Diffuse { color: Rgb::grey(0.7) }))];
+fn mixtures() -> Option<Vec<Bsdf>> {
+    let mut kinds = vec![MaterialKind::Diffuse { color: Rgb::grey(0.7) }];
     for roughness in [0.05, 0.1, 0.3, 0.6, 1.0] {
-        let mut add = |name: &str, change: fn(&mut Principled)| {
-            let kind = principled(|p| {
+        let mut add = |change: fn(&mut Principled)| {
+            kinds.push(principled(|p| {
                 p.roughness = roughness;
                 change(p);
-            });
-            list.push((format!("{name}, roughness {roughness}"), compile(kind)));
+            }));
         };
-        add("metal", |p| p.metallic = 1.0);
-        add("plastic", |_| ());
-        add("glass", |p| p.transmission = 1.0);
-        add("sheet", |p| (p.transmission, p.thin) = (1.0, true));
-        add("mixture", |p| (p.metallic, p.transmission) = (0.3, 0.6));
-        add("coat", |p| (p.coat, p.coat_roughness) = (0.8, p.roughness));
-        add("sheen", |p| (p.sheen_color, p.sheen_roughness) = (Rgb::grey(0.6), p.roughness));
+        add(|p| p.metallic = 1.0);
+        add(|_| ());
+        add(|p| p.transmission = 1.0);
+        add(|p| (p.transmission, p.thin) = (1.0, true));
+        add(|p| (p.metallic, p.transmission) = (0.3, 0.6));
+        add(|p| (p.coat, p.coat_roughness) = (0.8, p.roughness));
+        add(|p| (p.sheen_color, p.sheen_roughness) = (Rgb::grey(0.6), p.roughness));
     }
-    list
+    compile_all(kinds)
 }
 
 /// N43.
 pub(super) fn weights(effort: Effort) -> Vec<Figure> {
     let (mut weight, mut density, mut length, mut count) = (0f64, 0f64, 0f64, 0);
     let mut random = Random::of("N43");
-    for (_, bsdf) in mixtures() {
-        let Some(bsdf) = bsdf else { return vec![Figure::exactly("compiled", f64::NAN, 1.0)] };
+    let Some(materials) = mixtures() else { return vec![Figure::exactly("compiled", f64::NAN, 1.0)] };
+    for bsdf in materials {
         for wo in COSINES.into_iter().flat_map(|mu| [direction(mu), -direction(mu)]) {
             for _ in 0..effort.trials(200) {
                 let u = [random.unit_f32(), random.unit_f32(), random.unit_f32()];

@@ -26,7 +26,8 @@ pub(super) fn visible(wo: DVec3, m: DVec3, alpha: f64) -> f64 {
 }
 
 /// Calls `visit` with the middles of cells of normals, and their solid angles. The cells have equal sides in azimuth and
-/// in x, where tan(theta) = alpha tan(x), which spreads a lobe of any width evenly.
+/// in s, where tan(theta) = alpha tan(x), which spreads a lobe of any width evenly, and x = (1 - (1 - s)^2) pi/2: all that
+/// refracts at grazing angles from within glass does so at the few normals that lie almost in the surface.
 pub(super) fn normals(
     alpha: f64,
     rings: usize,
@@ -35,13 +36,15 @@ pub(super) fn normals(
 ) {
     let turns: Vec<(f64, f64)> =
         (0..sectors).map(|k| libm::sincos(((k as f64 + 0.5) / sectors as f64 - 0.5) * TAU)).collect();
-    let cell = FRAC_PI_2 / rings as f64 * TAU / sectors as f64;
+    let cell = PI / rings as f64 * TAU / sectors as f64;
     for i in 0..rings {
-        let (s, c) = libm::sincos((i as f64 + 0.5) / rings as f64 * FRAC_PI_2);
+        let rest = 1.0 - (i as f64 + 0.5) / rings as f64;
+        // Sine and cosine of x, which is that much less than a right angle.
+        let (c, s) = libm::sincos(rest * rest * FRAC_PI_2);
         // With t = tan(theta): d(theta) = alpha / (c^2 + alpha^2 s^2) dx.
         let e = c * c + alpha * alpha * s * s;
         let (sin, cos) = (alpha * s / e.sqrt(), c / e.sqrt());
-        let solid_angle = sin * alpha / e * cell;
+        let solid_angle = sin * alpha / e * rest * cell;
         for (k, (st, ct)) in turns.iter().enumerate() {
             visit(i, k, DVec3::new(sin * ct, sin * st, cos), solid_angle);
         }
@@ -50,9 +53,10 @@ pub(super) fn normals(
 
 /// The cell of a normal.
 pub(super) fn cell_of(m: DVec3, alpha: f64, rings: usize, sectors: usize) -> [usize; 2] {
-    let x = libm::atan2((m.x * m.x + m.y * m.y).sqrt(), alpha * m.z);
+    let less_than_right = libm::atan2(alpha * m.z, (m.x * m.x + m.y * m.y).sqrt());
+    let s = 1.0 - (less_than_right / FRAC_PI_2).sqrt();
     let turn = libm::atan2(m.y, m.x) / TAU + 0.5;
-    let ring = ((x / FRAC_PI_2 * rings as f64) as usize).min(rings - 1);
+    let ring = ((s * rings as f64) as usize).min(rings - 1);
     [ring, ((turn * sectors as f64) as usize).min(sectors - 1)]
 }
 
