@@ -136,6 +136,7 @@ fn direction(mu: f32) -> Vec3 {
 fn mirror_limit(effort: Effort) -> Vec<Figure> {
     let (mut bad, mut lobe, mut weight, mut sharp, mut kind) = (0.0, 0f64, 0f64, 0f64, 0.0);
     let mut random = Random::of("N45");
+    let n = effort.trials(10_000);
     for alpha in [1e-2, 1e-3, 1.01e-4, 0.99e-4, 0.0f32] {
         for transmission in [0.0, 1.0] {
             let material = principled(|p| {
@@ -151,7 +152,6 @@ fn mirror_limit(effort: Effort) -> Vec<Figure> {
                 let (_, cos_t) = fresnel::dielectric(mu, 1.5);
                 let ideal = [Vec3::new(-wo.x, -wo.y, wo.z), fresnel::refract(wo, Vec3::Z, mu, cos_t, 1.5)];
                 let (mut sums, mut counts, mut brought) = ([DVec3::ZERO; 2], [0.0; 2], 0.0);
-                let n = effort.trials(10_000);
                 for _ in 0..n {
                     let u = [random.unit_f32(), random.unit_f32(), random.unit_f32()];
                     let Some(s) = bsdf.sample(wo, u, Transport::Importance) else { continue };
@@ -166,8 +166,8 @@ fn mirror_limit(effort: Effort) -> Vec<Figure> {
                 for side in 0..2 {
                     if counts[side] > 100.0 {
                         let off = (sums[side] / counts[side] - ideal[side].as_dvec3()).length();
-                        *(if smooth { &mut sharp } else { &mut lobe }) =
-                            worst([off, if smooth { sharp } else { lobe }]);
+                        let so_far = if smooth { &mut sharp } else { &mut lobe };
+                        *so_far = worst([off, *so_far]);
                     }
                 }
                 weight = worst([weight, (brought / n as f64 - 1.0).abs()]);
@@ -175,7 +175,7 @@ fn mirror_limit(effort: Effort) -> Vec<Figure> {
         }
     }
     vec![
-        Figure::exactly("samples that are not numbers, widths 1e-2 to 0, of 3e5", bad, 0.0),
+        Figure::exactly(format!("samples that are not numbers, widths 1e-2 to 0, of {:e}", 30 * n), bad, 0.0),
         Figure::exactly("lobes above width 1e-4 that are delta lobes, or the reverse", kind, 0.0),
         Figure::at_most(
             "mean direction of lobes of widths 1e-2 to 1e-4: off mirror and refraction",

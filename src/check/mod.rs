@@ -146,38 +146,3 @@ mod tests {
         assert!(Figure::exactly("", 0.0, 0.0).holds() && !Figure::exactly("", 1.0, 0.0).holds());
     }
 }
-
-#[cfg(test)]
-mod scratch {
-    use super::*;
-
-    #[test]
-    fn mine_hold() {
-        let only = std::env::var("ONLY").unwrap_or_default();
-        let mut failures = Vec::new();
-        for case in materials::CASES.iter().chain(lights::CASES).chain(transport::CASES) {
-            if !only.is_empty() && !only.split(',').any(|o| o == case.id) {
-                continue;
-            }
-            let start = std::time::Instant::now();
-            let night = std::env::var("NIGHT").is_ok();
-            let figures = (case.run)(if night { Effort::Nightly } else { Effort::Usual });
-            let mut text = format!("== {} {:.2} s\n", case.id, start.elapsed().as_secs_f64());
-            for f in &figures {
-                text += &format!(
-                    "{} {}: {:e} {:?}\n",
-                    if f.holds() { "  " } else { "!!" },
-                    f.what,
-                    f.value,
-                    f.bound
-                );
-                if !f.holds() {
-                    failures.push(format!("{} {}: {:e} {:?}", case.id, f.what, f.value, f.bound));
-                }
-            }
-            std::fs::write(format!("/tmp/hard3-{}{}.txt", case.id, if night { "-night" } else { "" }), &text)
-                .unwrap();
-        }
-        assert!(failures.is_empty(), "{}", failures.join("\n"));
-    }
-}

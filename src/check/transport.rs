@@ -193,9 +193,14 @@ fn shells(effort: Effort) -> Vec<Figure> {
 
 fn mirrors(effort: Effort) -> Vec<Figure> {
     let mut figures = row(effort);
-    let (off, other) = corner(effort.trials(20_000)).unwrap_or((f64::NAN, f64::NAN));
+    let rays = effort.trials(20_000);
+    let (off, other) = corner(rays).unwrap_or((f64::NAN, f64::NAN));
     figures.extend([
-        Figure::at_most("O17: radians off the way back, corner of mirrors, 2e4 rays", off, 1e-6),
+        Figure::at_most(
+            format!("O17: radians off the way back, corner of mirrors, {rays:e} rays"),
+            off,
+            1e-6,
+        ),
         Figure::exactly("O17: rays that did not meet three mirrors", other, 0.0),
     ]);
     figures

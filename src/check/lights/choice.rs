@@ -171,7 +171,8 @@ pub(super) fn weights(effort: Effort) -> Vec<Figure> {
         outside += f64::from(!((0.0..=1.0).contains(&wa) && (0.0..=1.0).contains(&wb)));
         off = worst([off, (f64::from(wa) + f64::from(wb) - 1.0).abs()]);
     };
-    for _ in 0..effort.trials(1_000_000) {
+    let pairs = effort.trials(1_000_000);
+    for _ in 0..pairs {
         let density = |r: &mut Random| libm::exp(r.between(-69.0, 69.0)) as f32;
         let (a, b) = (density(&mut random), density(&mut random));
         look(a, b);
@@ -184,7 +185,11 @@ pub(super) fn weights(effort: Effort) -> Vec<Figure> {
         limits = worst([limits, f64::from(mis_weight(own, f32::INFINITY))]);
     }
     vec![
-        Figure::at_most("weights of 2e6 pairs of densities, 1e-30..1e30: sum less one", off, 1e-6),
+        Figure::at_most(
+            format!("weights of {:e} pairs of densities, 1e-30..1e30: sum less one", 2 * pairs),
+            off,
+            1e-6,
+        ),
         Figure::exactly("weights outside 0..1, or not numbers", outside, 0.0),
         Figure::exactly("weights where the other density is none or infinite: error", limits, 0.0),
     ]

@@ -76,12 +76,13 @@ fn triangle_error(v: [Vec3; 3], expected: f64) -> f64 {
 /// N47.
 pub(super) fn triangles(effort: Effort) -> Vec<Figure> {
     let mut random = Random::of("N47");
+    let count = effort.trials(20_000);
     let mut errors = [[0f64; 2]; 2];
     let mut oracle = 0f64;
     let frontal = (0.5 * PI, [4e-5, 4e-9]);
     let grazing = (1f64.to_radians(), [7e-5, 7e-7]);
     for (error, (tilt, floors)) in errors.iter_mut().zip([frontal, grazing]) {
-        for i in 0..effort.trials(20_000) {
+        for i in 0..count {
             // Edges from 100 to 1e-4; a plane seen edge-on must not reach around the eye.
             let most = if tilt < 1.0 { 0.5 } else { 100.0 };
             let edge = libm::exp(random.between(libm::log(1e-4), libm::log(most)));
@@ -98,7 +99,11 @@ pub(super) fn triangles(effort: Effort) -> Vec<Figure> {
     let [[front, front_small], [edge_on, edge_on_small]] = errors;
     vec![
         Figure::at_most("oracle against a sum over 1e4 parts, relative", oracle, 1e-4),
-        Figure::at_most("solid angle, frontal, 4e-5 sr and more, 2e4 triangles: relative error", front, 2e-5),
+        Figure::at_most(
+            format!("solid angle, frontal, 4e-5 sr and more, of {count:e} triangles: relative error"),
+            front,
+            2e-5,
+        ),
         Figure::at_most("solid angle, frontal, 4e-9 to 4e-5 sr: relative error", front_small, 5e-4),
         Figure::at_most("solid angle, 1 degree, 7e-5 sr and more: relative error", edge_on, 5e-5),
         Figure::at_most("solid angle, 1 degree, 7e-7 to 7e-5 sr: relative error", edge_on_small, 6e-4),
@@ -115,7 +120,8 @@ fn rectangle_solid_angle(x: [f64; 2], y: [f64; 2], z: f64) -> f64 {
 pub(super) fn rectangles(effort: Effort) -> Vec<Figure> {
     let mut random = Random::of("N48");
     let (mut error, mut same, mut bad) = (0f64, 0f64, 0.0);
-    for _ in 0..effort.trials(20_000) {
+    let count = effort.trials(20_000);
+    for _ in 0..count {
         // Edges between 1e-2 and 100 at distance one from the plane, beside the point by up to three edges.
         let edge = |r: &mut Random| libm::exp(r.between(libm::log(1e-2), libm::log(100.0))) as f32;
         let (a, b) = (edge(&mut random), edge(&mut random));
@@ -140,7 +146,11 @@ pub(super) fn rectangles(effort: Effort) -> Vec<Figure> {
         bad += f64::from(!light.contains(s.p) && !next_to(&light, s.p));
     }
     vec![
-        Figure::at_most("density times solid angle, edges 1e-2..100, 2e4 rectangles: less one", error, 2e-5),
+        Figure::at_most(
+            format!("density times solid angle, edges 1e-2..100, {count:e} rectangles: less one"),
+            error,
+            2e-5,
+        ),
         Figure::at_most("density of a sample and of its point: relative difference", same, 1e-5),
         Figure::exactly("samples that failed or left the rectangle", bad, 0.0),
         Figure::at_least(

@@ -77,13 +77,6 @@ pub(super) fn samples(effort: Effort) -> Vec<Figure> {
             }
             let p = chi_square_p(&expected, &counts);
             let outside = strays(&expected, &counts);
-            #[cfg(test)]
-            {
-                use std::io::Write;
-                let mut f =
-                    std::fs::OpenOptions::new().create(true).append(true).open("/tmp/hard3-lobes").unwrap();
-                writeln!(f, "{id}: {p:e} stray {outside} total {}", expected.iter().sum::<f64>()).unwrap();
-            }
             (count, stray) = (count + 1, stray + f64::from(outside));
             if p.is_nan() || p < smallest {
                 (smallest, name) = (p, id);
@@ -116,6 +109,7 @@ fn strays(expected: &[f64], counts: &[u32]) -> u32 {
 /// N42. Sampling rejects a direction that leaves to the wrong side of its normal: light that single scattering loses.
 pub(super) fn integrals(effort: Effort) -> Vec<Figure> {
     let (mut off, mut surprise, mut count) = (0f64, 0f64, 0);
+    let n = effort.trials(10_000);
     for (rough, directions) in lobes() {
         for wo in directions {
             let up = Vec3::new(wo.x, wo.y, wo.z.abs()).as_dvec3();
@@ -137,27 +131,9 @@ pub(super) fn integrals(effort: Effort) -> Vec<Figure> {
                 let u = [random.unit_f32(), random.unit_f32(), random.unit_f32()];
                 rough.bsdf.sample(wo, u, Transport::Radiance).is_none()
             };
-            let n = effort.trials(10_000);
             let found = (0..n).filter(none).count() as f64 / n as f64;
             let deviation = (rejected * (1.0 - rejected) / n as f64).max(0.0).sqrt();
             surprise = worst([surprise, ((found - rejected).abs() - 4.5 * deviation).max(0.0)]);
-            #[cfg(test)]
-            {
-                use std::io::Write;
-                let mut f = std::fs::OpenOptions::new()
-                    .create(true)
-                    .append(true)
-                    .open("/tmp/hard3-rejected")
-                    .unwrap();
-                writeln!(
-                    f,
-                    "{} {}: {found} {rejected} z {}",
-                    rough.name,
-                    wo.z,
-                    (found - rejected) / deviation
-                )
-                .unwrap();
-            }
             count += 1;
         }
     }
@@ -179,9 +155,9 @@ pub(super) fn integrals(effort: Effort) -> Vec<Figure> {
     vec![
         Figure::at_most(format!("density and what is rejected, {count} lobes: less one"), off, 1e-4),
         Figure::at_most(
-            "share of 1e4 samples rejected, the worst lobe: off, beyond 4.5 standard deviations",
+            format!("share of {n:e} samples rejected, the worst lobe: off, beyond 4.5 standard deviations"),
             surprise,
-            1e-3,
+            1e-4,
         ),
         Figure::at_most(
             "density and delta lobe of layers over diffuse, 12 lobes: less one",
@@ -211,7 +187,7 @@ fn whole(bsdf: &Bsdf, wo: Vec3) -> f64 {
 /// Materials with all kinds of lobes.
 fn mixtures() -> Option<Vec<Bsdf>> {
     let mut kinds = vec![MaterialKind::Diffuse { color: Rgb::grey(0.7) }];
-    for roughness in [0.05, 0.1, 0.3, 0.6, 1.0] {
+    for roughness in [0.05, 0.3, 1.0] {
         let mut add = |change: fn(&mut Principled)| {
             kinds.push(principled(|p| {
                 p.roughness = roughness;
@@ -250,7 +226,7 @@ pub(super) fn weights(effort: Effort) -> Vec<Figure> {
     }
     let [closed, largest] = closed_weights(effort);
     vec![
-        Figure::at_most(format!("weight, {count} samples of 36 materials: relative error"), weight, 1e-4),
+        Figure::at_most(format!("weight, {count} samples of 22 materials: relative error"), weight, 1e-4),
         Figure::at_most("density: relative error", density, 1e-4),
         Figure::at_most("length of the direction: less one", length, 1e-6),
         Figure::at_most("weight of white metal beside G2 / (G1 E) in f64: relative error", closed, 2e-3),

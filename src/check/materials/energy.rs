@@ -54,7 +54,7 @@ pub(super) fn furnace(effort: Effort) -> Vec<Figure> {
             });
             single = worst([single, (found.mean / expected - 1.0).abs()]);
             // The oracle's own error is not noise.
-            single_z = worst([single_z, z_score(((found.mean - expected).abs() - 2e-5).max(0.0), &found)]);
+            single_z = worst([single_z, z_score(((found.mean - expected).abs() - 5e-6).max(0.0), &found)]);
             let Some(metal) = &metal else { return vec![Figure::exactly("compiled", f64::NAN, 1.0)] };
             let found = mean(&id, samples, |u| {
                 metal.sample(wo, u, Transport::Radiance).map_or(0.0, |s| f64::from(s.weight.g))
@@ -65,7 +65,7 @@ pub(super) fn furnace(effort: Effort) -> Vec<Figure> {
         }
     }
     figures.extend([
-        Figure::at_most("single scattering in closed form and list (O15), 12 lobes", oracle, 2e-5),
+        Figure::at_most("single scattering in closed form and list (O15), 12 lobes", oracle, 5e-6),
         Figure::at_most("single scattering, 15 lobes: relative error", single, 2e-3),
         Figure::at_most("single scattering, 15 lobes: standard errors off", single_z, 4.5),
         Figure::at_most("white metal, 15 lobes: mean weight less one", white, 5e-3),

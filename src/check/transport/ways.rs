@@ -6,6 +6,7 @@ use super::super::build::{Build, Probe, Shooter, emitter, principled, probe, z_s
 use super::super::{Effort, Figure};
 use crate::accel::{PrimitiveId, RayKind};
 use crate::bsdf::{Bsdf, Transport};
+use crate::color::Rgb;
 use crate::integrate::mis_weight;
 use crate::light::LightContext;
 use crate::math::Frame;
@@ -115,7 +116,7 @@ fn replications(shooter: &Shooter, ray: &Probe, samples: u64) -> Option<Vec<[f64
 pub(super) fn ways(effort: Effort) -> Vec<Figure> {
     let mut figures = Vec::new();
     let kinds = [
-        ("plastic", principled(|p| (p.base_color, p.roughness) = (crate::color::Rgb::grey(0.4), 0.5))),
+        ("plastic", principled(|p| (p.base_color, p.roughness) = (Rgb::grey(0.4), 0.5))),
         ("metal", principled(|p| (p.metallic, p.roughness) = (1.0, 0.45))),
     ];
     for (name, kind) in kinds {
