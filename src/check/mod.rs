@@ -5,6 +5,8 @@
 //! run the proof on their own build and machine. A case knows its answer from a closed form, from an invariance, or
 //! from a slower and simpler computation; it never compares the renderer with a number copied from it.
 //!
+//! Some of it holds of any scene: [`check_scene`] measures that on one of the user's.
+//!
 //! Seeds are functions of a case's id. The bounds say why they are what they are, where that is not plain. Ids are
 //! never reused.
 
@@ -14,11 +16,20 @@ mod dielectrics;
 mod film;
 mod lights;
 mod materials;
+mod own;
 mod position;
+mod prices;
 mod random;
+mod scaling;
+mod scenes;
 mod spheres;
+mod stage;
 mod transport;
 mod triangles;
+
+pub use own::{Finding, Says, SceneCheckError, check_scene};
+pub use prices::{Price, prices};
+pub use scaling::scaled;
 
 /// How long a case takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -117,7 +128,7 @@ impl Figure {
 /// The catalogue, in the order of its ids.
 #[must_use]
 pub fn cases() -> Vec<&'static Case> {
-    let groups: [&[Case]; 9] = [
+    let groups: [&[Case]; 10] = [
         position::CASES,
         triangles::CASES,
         spheres::CASES,
@@ -127,6 +138,7 @@ pub fn cases() -> Vec<&'static Case> {
         transport::CASES,
         film::CASES,
         camera::CASES,
+        scenes::CASES,
     ];
     let mut cases: Vec<&Case> = groups.into_iter().flatten().collect();
     cases.sort_by_key(|c| c.id);

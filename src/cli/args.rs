@@ -51,6 +51,7 @@ pub(super) enum Command {
     Info(InfoArgs),
     Convert(ConvertArgs),
     Compare(CompareArgs),
+    Check(CheckArgs),
     Golden(super::golden::GoldenArgs),
     Demo(DemoArgs),
     /// Print the JSON Schema of the scene's text form, for editors
@@ -295,6 +296,50 @@ pub(super) struct CompareArgs {
     pub(super) map_kind: MapKind,
 
     /// Print JSON (epsilux.compare/1)
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Run the catalogue of hard cases: what breaks renderers, proved on this build and machine
+///
+/// Each case measures figures against a closed form, an invariance, or a slower and simpler computation, and holds
+/// them beside their bounds. Exit code 0: all hold; 1: some do not.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  epsilux check                      a line for each case
+  epsilux check N13 --figures        rays at vertices and edges: leaks, with all figures
+  epsilux check --nightly            a hundred times the rays
+  epsilux check --scene room.glb     on a scene of one's own
+  epsilux check --prices             what numerical accuracy costs")]
+pub(super) struct CheckArgs {
+    /// Cases, such as N13 [default: all]
+    #[arg(value_name = "ID")]
+    pub(super) cases: Vec<String>,
+
+    /// Instead of the catalogue, what must hold of any scene, measured on this one: threads, kernels, scale, brute
+    /// force; and what is often wrong with scenes
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["cases", "nightly", "figures"])]
+    pub(super) scene: Option<PathBuf>,
+
+    /// Camera by name, with --scene [default: the scene's first]
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    pub(super) camera: Option<String>,
+
+    /// Show every figure, not only those out of their bounds
+    #[arg(long)]
+    pub(super) figures: bool,
+
+    /// A hundred times the rays where rare accidents are counted
+    #[arg(long)]
+    pub(super) nightly: bool,
+
+    /// Instead of the catalogue, what accuracy costs: each robust choice beside its cheap twin, in nanoseconds on this
+    /// machine and in what the twin loses
+    #[arg(long, conflicts_with_all = ["cases", "nightly", "figures", "scene"])]
+    pub(super) prices: bool,
+
+    /// Print JSON (epsilux.check/1)
     #[arg(long)]
     pub(super) json: bool,
 }

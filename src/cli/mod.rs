@@ -5,6 +5,7 @@
 //! one step and calls the library, which sees only options. Nothing else in the crate prints.
 
 mod args;
+mod check;
 mod compare;
 mod console;
 mod convert;
@@ -78,6 +79,7 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Info(args) => info::run(&args, console),
         Command::Convert(args) => convert::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),
+        Command::Check(args) => check::run(&args, console),
         Command::Golden(args) => golden::run(&args, console),
         Command::Demo(args) => demo::run(&args, arguments, console),
         Command::Schema(args) => schema::run(&args, console),

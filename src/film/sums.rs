@@ -388,8 +388,11 @@ mod tests {
         let full = |i: u32| {
             let radiance = Rgb::new(0.3, 0.1 * i as f32, 7.0 / (1.0 + i as f32));
             let layers = [radiance * 0.25, radiance * 0.5, Rgb::BLACK, radiance * 0.25, Rgb::BLACK];
-            let features =
-                (i % 3 > 0).then(|| Features { object: i, depth: i as f32, ..Features::default() });
+            let features = (!i.is_multiple_of(3)).then(|| Features {
+                object: i,
+                depth: i as f32,
+                ..Features::default()
+            });
             Sample { radiance, features, layers: Some(layers) }
         };
         let mut whole = Film::new(recording.clone());

@@ -2,6 +2,7 @@
 
 use super::run::scalar;
 use super::verdict::Reason;
+use crate::film::LightLayer;
 use crate::stats::gate::{Finding, Kind};
 
 /// A share as per cent with a sign and as many digits as mean something.
@@ -77,9 +78,13 @@ pub(super) fn reasons<'a>(significant: impl Iterator<Item = &'a Finding>) -> Vec
     const MOST_PARTS: usize = 2;
     let mut parts = 0;
     let mut found: Vec<&Finding> = significant.collect();
-    // Statistics of wholes name the culprit; the largest z first.
+    // Layers name the culprit, then other wholes, then parts; of each the largest z first.
     let part = |f: &Finding| matches!(f.statistic.kind, Kind::Tile { .. } | Kind::Wave { .. });
-    found.sort_by(|a, b| part(a).cmp(&part(b)).then(b.z.abs().total_cmp(&a.z.abs())));
+    let layer = |f: &Finding| {
+        f.statistic.kind == Kind::Matched && LightLayer::ALL.iter().any(|l| l.name() == f.statistic.of)
+    };
+    let rank = |f: &Finding| (part(f), !layer(f));
+    found.sort_by(|a, b| rank(a).cmp(&rank(b)).then(b.z.abs().total_cmp(&a.z.abs())));
     found
         .into_iter()
         .filter(|f| {

@@ -94,6 +94,13 @@ fn read_file(path: &Path, options: &ReadOptions) -> Result<(Scene, Vec<Note>), F
     }
 }
 
+/// The scene in the JSON of a glTF file that needs no other files; `None` where it is none.
+pub(crate) fn read_gltf(text: &[u8]) -> Option<Scene> {
+    let options = ReadOptions::default();
+    let read = gltf::read_json(text, Path::new(""), &options, &mut Budget::new(&options));
+    read.ok().map(|(scene, _)| scene)
+}
+
 #[cfg(test)]
 mod tests {
     use std::fs;

@@ -87,7 +87,7 @@ impl Address {
 
 /// The largest multiple of 2^-24 that is at most the fraction `x` / 2^32; never one.
 #[inline]
-fn unit_f32(x: u32) -> f32 {
+pub(crate) fn unit_f32(x: u32) -> f32 {
     (x >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 

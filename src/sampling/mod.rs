@@ -11,6 +11,7 @@ mod piecewise;
 mod sobol;
 pub mod warp;
 
+pub(crate) use address::unit_f32;
 pub use address::{Address, Purpose, Stream};
 pub use distribution::Discrete;
 pub use piecewise::{Cell, Grid};

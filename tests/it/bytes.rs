@@ -15,10 +15,10 @@ use sha2::{Digest as _, Sha256};
 
 use crate::support::fast::{options, valid};
 use crate::support::features::{self, camera, dark_stage, round_mesh};
-use crate::support::scaling::scaled;
 use crate::support::scenes::{Build, diffuse, emitter, facing, glass, mirror, principled};
 use crate::support::seed::seed;
 use crate::support::textured;
+use epsilux::check::scaled;
 
 const SIZE: [u32; 2] = [20, 14];
 

@@ -13,6 +13,7 @@ fn help_teaches() {
         "info",
         "convert",
         "compare",
+        "check",
         "golden",
         "golden record",
         "golden verify",

@@ -4,6 +4,7 @@
 mod support;
 
 mod bytes;
+mod check;
 mod command;
 mod compare;
 mod convert;

@@ -7,7 +7,6 @@ pub(crate) mod closed_forms;
 pub(crate) mod compare;
 pub(crate) mod fast;
 pub(crate) mod features;
-pub(crate) mod scaling;
 pub(crate) mod scenes;
 pub(crate) mod seed;
 pub(crate) mod textured;

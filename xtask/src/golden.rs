@@ -5,7 +5,7 @@
 //! are noticed, and how often soundness is called a fault.
 
 mod dead;
-mod mutate;
+pub(crate) mod mutate;
 mod null;
 
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     /// Scenes [default: all]
     #[arg(value_name = "NAME")]
     scenes: Vec<String>,
-    /// Four runs of each scene [default]
+    /// Four runs of each scene; the default
     #[arg(long, conflicts_with = "full")]
     quick: bool,
     /// Thirty-two runs of each scene
@@ -122,7 +122,7 @@ impl Bench {
         let folder = root.join("fixtures/golden");
         let entries = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         let mut suites: Vec<PathBuf> = entries
-            .filter_map(|e| Some(e.ok()?.file_name().into_string().ok()?))
+            .filter_map(|e| e.ok()?.file_name().into_string().ok())
             .map(|name| PathBuf::from(format!("fixtures/golden/{name}/golden.toml")))
             .filter(|suite| root.join(suite).is_file())
             .collect();
@@ -172,7 +172,7 @@ fn succeeds(command: &mut Command) -> Result<(), String> {
 }
 
 /// What a command prints as JSON. That `verify` refuses, and so ends with 1, is no failure.
-fn json(command: &mut Command) -> Result<Value, String> {
+pub(crate) fn json(command: &mut Command) -> Result<Value, String> {
     let said = command.output().map_err(|e| format!("epsilux could not be started: {e}"))?;
     if !matches!(said.status.code(), Some(0 | 1)) {
         let words = String::from_utf8_lossy(&said.stderr);
@@ -182,10 +182,16 @@ fn json(command: &mut Command) -> Result<Value, String> {
 }
 
 /// An array in JSON; empty where there is none.
-fn array<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+pub(crate) fn array<'a>(value: &'a Value, key: &str) -> &'a [Value] {
     value[key].as_array().map_or(&[], Vec::as_slice)
 }
 
-fn text<'a>(value: &'a Value, key: &str) -> &'a str {
+pub(crate) fn text<'a>(value: &'a Value, key: &str) -> &'a str {
     value[key].as_str().unwrap_or_default()
+}
+
+/// To standard output; there is nobody left to tell where this fails.
+pub(crate) fn println_line(line: &str) {
+    use std::io::Write as _;
+    let _ = writeln!(std::io::stdout(), "{line}");
 }

@@ -3,6 +3,7 @@
 mod blender;
 mod gltf;
 mod golden;
+mod hard;
 mod report_plot;
 mod tidy;
 
@@ -24,6 +25,7 @@ enum Chore {
     Blender(blender::Arguments),
     GltfValidate(gltf::Arguments),
     Golden(golden::Arguments),
+    Hard(hard::Arguments),
     ReportPlot(report_plot::Arguments),
     Tidy(tidy::Arguments),
 }
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
         Chore::Blender(arguments) => blender::run(&arguments),
         Chore::GltfValidate(arguments) => gltf::run(&arguments),
         Chore::Golden(arguments) => golden::run(&arguments),
+        Chore::Hard(arguments) => hard::run(&arguments),
         Chore::ReportPlot(arguments) => report_plot::run(&arguments),
         Chore::Tidy(arguments) => tidy::run(&arguments),
     };

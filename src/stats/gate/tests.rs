@@ -173,3 +173,25 @@ fn what_one_run_meets_is_rare_and_what_all_meet_is_wrong() {
     let once = null.test(&family, &wrong, 0.0).expect("runs like the others");
     assert!(once.p > all.p, "{} {}", once.p, all.p);
 }
+
+/// Guards the statement of power: a change of all light of the size that the matched filter is said to notice with a
+/// probability of 99 % is noticed by it, at the significance of the whole family.
+#[test]
+fn the_stated_power_is_real() {
+    const TRIALS: usize = 60;
+    for hits in [200.0, 2.0] {
+        let mut made = Made::new(hits, 5);
+        let (family, null) = made.referee(32, FEWEST_RUNS);
+        let shifts = null.power(&family, 4, 1e-3);
+        let matched = family.statistics.iter().position(|s| s.kind == Kind::Matched).expect("one plane");
+        let seen = (0..TRIALS).filter(|_| {
+            let runs: Vec<Planes> = (0..4).map(|_| made.run(1.0 + shifts[matched], |_, _| true)).collect();
+            let outcome = null.test(&family, &runs, 0.0).expect("runs like the others");
+            outcome.significant(1e-3).any(|f| f.statistic.kind == Kind::Matched)
+        });
+        let seen = seen.count();
+        // 59.4 are expected; the null runs' own noise moves that by a few.
+        assert!(seen >= 54, "{hits}: {seen} of {TRIALS} at {:.4}", shifts[matched]);
+        assert!(shifts[matched] < 0.2, "{hits}: {}", shifts[matched]);
+    }
+}

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-use super::{Bench, array, json, text};
+use super::{Bench, array, json, println_line, text};
 
 /// A layer counts as guarded where some scene notices a change of this size in full mode.
 const GUARDED: f64 = 0.03;
@@ -76,10 +76,4 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
         return Ok(());
     }
     Err(format!("dead or unguarded:\n  {}", dead.join("\n  ")))
-}
-
-/// To standard output; there is nobody left to tell where this fails.
-pub(super) fn println_line(line: &str) {
-    use std::io::Write as _;
-    let _ = writeln!(std::io::stdout(), "{line}");
 }

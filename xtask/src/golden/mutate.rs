@@ -7,15 +7,14 @@
 #[allow(unreachable_pub, dead_code)]
 mod list;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
 use serde_json::Value;
 
-use super::dead::println_line;
-use super::{Bench, QUICK, array, json, text};
-use list::Mutant;
+use super::{Bench, QUICK, array, json, println_line, text};
+pub(crate) use list::Mutant;
 
 /// Plant faults, and say which gate notices each.
 #[derive(clap::Args)]
@@ -44,17 +43,7 @@ pub(super) fn run(bench: &Bench, arguments: &Arguments) -> Result<(), String> {
         return Err(format!("{unknown}: expected one of: {names}"));
     }
     let suites = bench.suites_of(&arguments.scenes)?;
-    let target = bench.root.join("target/mutants");
-    let built = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--bin", "epsilux"])
-        .env("CARGO_TARGET_DIR", &target)
-        .env("RUSTFLAGS", "--cfg epsilux_mutants")
-        .current_dir(&bench.root)
-        .status();
-    if !built.map_err(|e| format!("cargo could not be started: {e}"))?.success() {
-        return Err("the mutants could not be built".to_owned());
-    }
-    let program = target.join("debug/epsilux");
+    let program = build(&bench.root)?;
     let mutants: Vec<Mutant> = Mutant::ALL.into_iter().filter(chosen).collect();
     let mut survivors = Vec::new();
     println_line("mutant                  seconds  scenes  killed by (the gate that has to | all others)");
@@ -100,6 +89,21 @@ pub(super) fn run(bench: &Bench, arguments: &Arguments) -> Result<(), String> {
         return Err(format!("survived:\n  {}", survivors.join("\n  ")));
     }
     if alarms.len() > 1 { Err("more than one alarm of the sound program".to_owned()) } else { Ok(()) }
+}
+
+/// Builds the program with all faults.
+pub(crate) fn build(root: &Path) -> Result<PathBuf, String> {
+    let target = root.join("target/mutants");
+    let built = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "--bin", "epsilux"])
+        .env("CARGO_TARGET_DIR", &target)
+        .env("RUSTFLAGS", "--cfg epsilux_mutants")
+        .current_dir(root)
+        .status();
+    if !built.map_err(|e| format!("cargo could not be started: {e}"))?.success() {
+        return Err("the mutants could not be built".to_owned());
+    }
+    Ok(target.join("debug/epsilux"))
 }
 
 fn judge(

@@ -1,7 +1,6 @@
 //! How often soundness is called a fault: verifications with fresh seeds of what was recorded.
 
-use super::dead::println_line;
-use super::{Bench, array, json, text};
+use super::{Bench, array, json, println_line, text};
 
 /// Verify sound scenes with fresh seeds, and say how often they are refused.
 #[derive(clap::Args)]

@@ -1,14 +1,17 @@
 //! Scenes at another scale.
 
-use epsilux::color::Rgb;
-use epsilux::glam::DAffine3;
-use epsilux::scene::{LightKind, MaterialKind, Projection, Scene, Shape};
+use glam::DAffine3;
+
+use crate::color::Rgb;
+use crate::scene::{LightKind, MaterialKind, Projection, Scene, Shape};
 
 /// The scene with lengths times 2^`k`, and watts and watts per steradian times 4^`k`: vertices,
 /// translations, radii, extents, lens, focus and absorption distances. Irradiance and radiance stay.
 ///
-/// Every product is exact, so that a renderer without absolute lengths makes the same picture of it.
-pub(crate) fn scaled(scene: &Scene, k: i32) -> Scene {
+/// Every product is exact, so that a renderer without absolute lengths makes the same picture of it. Suns and
+/// environments have no lengths and stay.
+#[must_use]
+pub fn scaled(scene: &Scene, k: i32) -> Scene {
     let s = libm::exp2(f64::from(k));
     let place = |t: &mut DAffine3| t.translation *= s;
     let intensity = |c: Rgb| c * (s * s) as f32;
