@@ -10,6 +10,7 @@
 //! Seeds are functions of a case's id. The bounds say why they are what they are, where that is not plain. Ids are
 //! never reused.
 
+mod build;
 mod camera;
 mod dielectrics;
 mod film;

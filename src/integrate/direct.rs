@@ -15,7 +15,7 @@ use crate::shape::{Ray, offset_origin};
 /// it is divided.
 #[inline]
 #[must_use]
-pub(super) fn mis_weight(own: f32, other: f32) -> f32 {
+pub(crate) fn mis_weight(own: f32, other: f32) -> f32 {
     if other <= own {
         let r = other / own;
         1.0 / (1.0 + r * r)

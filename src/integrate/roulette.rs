@@ -14,7 +14,7 @@ const START: u32 = 4;
 /// have taken given back (inside glass radiance is larger by eta^2, and the path will leave it again).
 #[inline]
 #[must_use]
-pub(super) fn survive(beta: Rgb, eta_scale: f32, depth: u32, u: f32) -> Option<f32> {
+pub(crate) fn survive(beta: Rgb, eta_scale: f32, depth: u32, u: f32) -> Option<f32> {
     let q = beta.max_channel() * eta_scale;
     if q <= 0.0 {
         return None;

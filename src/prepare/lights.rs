@@ -74,6 +74,10 @@ fn surfaces(
     emitters: &mut Vec<Emitter>,
 ) {
     let id = |primitive: u32| PrimitiveId { instance: 0, primitive };
+    if count == 0 {
+        // A mesh of which nothing but degenerate triangles was left; it stands where the next object begins.
+        return;
+    }
     let triangles = flat.world.triangles.len() as u32;
     if first >= triangles {
         let Some(radiance) = nominal(&[id(first)]) else { return };
