@@ -16,6 +16,7 @@ mod materials;
 mod position;
 mod random;
 mod spheres;
+mod surfaces;
 mod transport;
 mod triangles;
 

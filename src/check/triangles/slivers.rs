@@ -1,0 +1,154 @@
+//! Thin triangles: N16.
+
+use glam::{DVec2, DVec3, Vec3};
+
+use crate::check::random::Random;
+use crate::check::surfaces::{U, aimed, at, barycentric, rotation};
+use crate::check::{Effort, Figure};
+use crate::shape::Ray;
+use crate::shape::triangle::Shear;
+
+/// The ray's view of a triangle in double precision, whose rounding is 2^-29 of what is looked for.
+struct Exact {
+    /// Vertices in the plane across the ray, which passes through the origin of that plane.
+    v: [DVec2; 3],
+    /// The largest coordinate of a vertex relative to the ray's origin.
+    reach: f64,
+    /// Whether all vertices lie ahead.
+    ahead: bool,
+}
+
+impl Exact {
+    fn new(ray: &Ray, v: [Vec3; 3]) -> Self {
+        let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
+        let [x, y, z] = Shear::new(ray).axes;
+        let relative = v.map(|p| p.as_dvec3() - o);
+        let flat = relative.map(|p| DVec2::new(p[x] - d[x] / d[z] * p[z], p[y] - d[y] / d[z] * p[z]));
+        Self {
+            v: flat,
+            reach: relative.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max),
+            ahead: relative.iter().all(|p| p[z] * d[z] > 0.0),
+        }
+    }
+
+    /// Whether the ray meets the triangle, and how far it passes from the nearest edge.
+    fn decide(&self) -> (bool, f64) {
+        let mut distance = f64::INFINITY;
+        let mut sides = [false; 2];
+        for k in 0..3 {
+            let (a, b) = (self.v[k], self.v[(k + 1) % 3]);
+            let edge = b - a;
+            let along = (-a.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+            distance = distance.min((a + edge * along).length());
+            sides[usize::from(a.perp_dot(b) > 0.0)] = true;
+        }
+        (sides[0] != sides[1], distance)
+    }
+}
+
+/// Whether a hit at `t` lies outside the box of the triangle, widened as the trees widen boxes: what they
+/// may skip.
+fn outside_box(ray: &Ray, v: [Vec3; 3], t: f32) -> bool {
+    let v = v.map(|p| p.as_dvec3());
+    let (lo, hi) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
+    let pad = lo.abs().max(hi.abs()).max_element() / 2_097_152.0;
+    let slack = 4.0 * f64::from(f32::EPSILON);
+    let t = f64::from(t);
+    (0..3).any(|k| {
+        let (o, d) = (f64::from(ray.o[k]), f64::from(ray.d[k]));
+        let planes = [lo[k] - pad, hi[k] + pad];
+        if d == 0.0 {
+            return o < planes[0] || o > planes[1];
+        }
+        let [a, b] = planes.map(|plane| (plane - o) / d);
+        t < a.min(b) * (1.0 - slack) || t > a.max(b) * (1.0 + slack)
+    })
+}
+
+/// What happened to rays aimed at thin triangles.
+#[derive(Default)]
+struct Tally {
+    rays: u64,
+    hits: u64,
+    far_off: u64,
+    /// Distance from the edge of the worst wrong decision, units of rounding of the reach.
+    wrong: f64,
+}
+
+impl Tally {
+    fn add(&mut self, ray: &Ray, v: [Vec3; 3]) {
+        let exact = Exact::new(ray, v);
+        if !exact.ahead {
+            return;
+        }
+        self.rays += 1;
+        let hit = Shear::new(ray).intersect(v[0], v[1], v[2]);
+        let (expected, distance) = exact.decide();
+        if hit.is_some() != expected {
+            self.wrong = self.wrong.max(distance / (U * exact.reach));
+        }
+        if let Some(hit) = hit {
+            self.hits += 1;
+            self.far_off += u64::from(outside_box(ray, v, hit.t));
+        }
+    }
+
+    fn figures(&self, what: &str) -> [Figure; 3] {
+        let n = self.rays;
+        [
+            Figure::at_least(
+                format!("share of {n} rays that hit, {what}"),
+                self.hits as f64 / n as f64,
+                0.02,
+            ),
+            Figure::exactly(
+                format!("of {} hits outside the box of the triangle, {what}", self.hits),
+                self.far_off as f64,
+                0.0,
+            ),
+            Figure::at_most(
+                format!(
+                    "largest distance from an edge of a wrong answer, units of rounding, {n} rays, {what}"
+                ),
+                self.wrong,
+                8.0,
+            ),
+        ]
+    }
+}
+
+/// N16. Rays come from up to a thousand times the size of the triangle away; the second shape has sides of 11.2
+/// and 9.8 with an angle of 0.52 degrees, up to 600 from the origin (embree, issue 387).
+pub(super) fn thin(effort: Effort) -> Vec<Figure> {
+    let mut r = Random::of("N16");
+    let n = effort.trials(30_000);
+    let mut figures = Vec::new();
+    for height in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7] {
+        let mut tally = Tally::default();
+        for _ in 0..n {
+            let apex = r.unit();
+            let flat = [DVec3::ZERO, DVec3::X, DVec3::new(apex, height, 0.0)];
+            one(&mut tally, &mut r, flat, 1.0, 1.0);
+        }
+        figures.extend(tally.figures(&format!("base 1, height {height:e}")));
+    }
+    let mut tally = Tally::default();
+    let (sin, cos) = libm::sincos(0.52f64.to_radians());
+    for _ in 0..n {
+        let flat = [DVec3::ZERO, DVec3::X * 11.2, DVec3::new(9.8 * cos, 9.8 * sin, 0.0)];
+        one(&mut tally, &mut r, flat, 350.0, 11.0);
+    }
+    figures.extend(tally.figures("sides 11.2 and 9.8, an angle of 0.52 degrees"));
+    figures
+}
+
+/// A ray aimed at a triangle that is turned and placed anywhere up to `place`, from `size` times 1e-1 to 1e3.
+fn one(tally: &mut Tally, r: &mut Random, flat: [DVec3; 3], place: f64, size: f64) -> Option<()> {
+    let turn = rotation(r);
+    let middle = r.direction().as_dvec3() * (place * r.unit());
+    let v = flat.map(|p| (middle + turn * p).as_vec3());
+    let target = at(v, barycentric(r));
+    let o = target + r.direction().as_dvec3() * (size * libm::pow(10.0, r.between(-1.0, 3.0)));
+    tally.add(&aimed(o.as_vec3(), target)?, v);
+    Some(())
+}
