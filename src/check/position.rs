@@ -7,6 +7,7 @@ mod leaving;
 mod lit;
 mod plates;
 mod round;
+mod scaled;
 
 use super::{Case, Class};
 
@@ -46,6 +47,18 @@ pub(super) const CASES: &[Case] = &[
         class: Class::Unit,
         guards: "A ray that leaves a sphere to its outside does not meet it again, small and far, or large.",
         run: round::outwards,
+    },
+    Case {
+        id: "N07",
+        class: Class::Statistical,
+        guards: "A scene whose lengths are scaled by a power of two gives the same picture, bit for bit.",
+        run: scaled::powers_of_two,
+    },
+    Case {
+        id: "N08",
+        class: Class::Statistical,
+        guards: "A scene that is scaled a million times up or down, or stands far from the origin, gives the same picture.",
+        run: scaled::anywhere,
     },
     Case {
         id: "N09",

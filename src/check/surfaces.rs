@@ -111,6 +111,26 @@ pub(super) fn closed(n: u32, center: Vec3, mut radius: impl FnMut() -> f64) -> (
     (positions, triangles)
 }
 
+/// A square around `center` with edges of `size`, facing +Y, or -Y where `down`.
+pub(super) fn square(center: DVec3, size: f64, down: bool) -> Mesh {
+    let h = 0.5 * size;
+    let corner = |[x, z]: [f64; 2]| (center + DVec3::new(x * h, 0.0, z * h)).as_vec3();
+    let positions = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(corner).to_vec();
+    let triangles = if down { vec![[0, 2, 1], [0, 3, 2]] } else { vec![[0, 1, 2], [0, 2, 3]] };
+    Mesh { positions, triangles, ..Mesh::default() }
+}
+
+/// A closed box around `center`, facing outwards.
+pub(super) fn cube(center: DVec3, size: f64) -> Mesh {
+    let corner = |i: u32| {
+        let side = |bit: u32| if i >> bit & 1 == 0 { -0.5 * size } else { 0.5 * size };
+        (center + DVec3::new(side(0), side(1), side(2))).as_vec3()
+    };
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() }
+}
+
 /// Adds a material and returns its id.
 pub(super) fn material(scene: &mut Scene, kind: MaterialKind) -> MaterialId {
     let id = scene.materials.len() as u32;

@@ -79,7 +79,8 @@ mod tests {
         let wanted = std::env::var("CASE").unwrap_or_default();
         for case in cases().iter().filter(|c| c.id.starts_with(&wanted)) {
             let begin = std::time::Instant::now();
-            let figures = (case.run)(Effort::Usual);
+            let figures =
+                (case.run)(if std::env::var("NIGHTLY").is_ok() { Effort::Nightly } else { Effort::Usual });
             text += &format!("{} {:.2} s\n", case.id, begin.elapsed().as_secs_f64());
             for f in figures {
                 let mark = if f.holds() { "   " } else { "BAD" };

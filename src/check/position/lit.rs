@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use crate::accel::{Hit, PrimitiveId};
 use crate::check::random::Random;
 use crate::check::surfaces::{
-    aimed, ball, barycentric, closed, lamp, material, mesh, prepared, refused, tilted,
+    aimed, ball, barycentric, closed, cube, lamp, material, mesh, prepared, refused, square, tilted,
 };
 use crate::check::{Effort, Figure};
 use crate::color::Rgb;
@@ -15,26 +15,6 @@ use crate::prepare::Prepared;
 use crate::sampling::Address;
 use crate::scene::{Environment, MaterialKind, Mesh, Principled, Scene};
 use crate::shape::Ray;
-
-/// A square around `center` with edges of `size`, facing +Y, or -Y where `down`.
-fn square(center: DVec3, size: f64, down: bool) -> Mesh {
-    let h = 0.5 * size;
-    let corner = |[x, z]: [f64; 2]| (center + DVec3::new(x * h, 0.0, z * h)).as_vec3();
-    let positions = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(corner).to_vec();
-    let triangles = if down { vec![[0, 2, 1], [0, 3, 2]] } else { vec![[0, 1, 2], [0, 2, 3]] };
-    Mesh { positions, triangles, ..Mesh::default() }
-}
-
-/// A closed box around `center`, facing outwards.
-fn cube(center: DVec3, size: f64) -> Mesh {
-    let corner = |i: u32| {
-        let side = |bit: u32| if i >> bit & 1 == 0 { -0.5 * size } else { 0.5 * size };
-        (center + DVec3::new(side(0), side(1), side(2))).as_vec3()
-    };
-    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() }
-}
 
 /// The lights of N09.
 const LAMPS: [&str; 4] = ["triangle", "rectangle", "box", "sphere"];

@@ -136,7 +136,7 @@ pub(super) fn soup(effort: Effort) -> Vec<Figure> {
     }
     let trees = Trees::over(g);
     let mut compared = Compared::default();
-    for i in 0..effort.trials(3_000) {
+    for i in 0..effort.trials(1_800) {
         let o = DVec3::from_array([0; 3].map(|_| r.between(-75.0, 75.0))).as_vec3();
         let v = trees.own.geometry(0).vertices((r.unit() * 10_000.0) as u32);
         let target = at(v, barycentric(&mut r));

@@ -14,7 +14,7 @@ const TARGETS: [&str; 3] = ["vertices", "points of edges", "points of faces"];
 /// N13. Brute force tries a sixth of the rays that the tree does, since it takes far longer.
 pub(super) fn closed_mesh(effort: Effort) -> Vec<Figure> {
     let mut r = Random::of("N13");
-    let n = effort.trials(60_000);
+    let n = effort.trials(36_000);
     let mut figures = Vec::new();
     for offset in [Vec3::ZERO, Vec3::splat(1e3), Vec3::new(148_376.0, 1234.0, -223_423.0)] {
         let mut star = Random::of("N13 star");
