@@ -58,11 +58,11 @@ fn mean(image: &Image) -> f64 {
 /// Side of a tile of N08, pixels.
 const TILE: u32 = 8;
 
-/// The sum of luminances and of their variances over the pixels of a tile.
-fn tile(image: &Image, x: u32, y: u32) -> (f64, f64) {
+/// The sum of luminances and of their variances over the pixels of a tile with sides of `side`.
+fn tile(image: &Image, side: u32, x: u32, y: u32) -> (f64, f64) {
     let inside = |i: usize| {
         let i = i as u32;
-        (i % image.width) / TILE == x && (i / image.width) / TILE == y
+        (i % image.width) / side == x && (i / image.width) / side == y
     };
     let sum = |pixels: &[Rgb]| -> f64 {
         (0..pixels.len()).filter(|&i| inside(i)).map(|i| f64::from(pixels[i].luminance())).sum()
@@ -74,6 +74,9 @@ fn tile(image: &Image, x: u32, y: u32) -> (f64, f64) {
 /// differ, and the error that is compared with is too large by far.
 pub(super) fn anywhere(effort: Effort) -> Vec<Figure> {
     let passes = effort.trials(32) as u32;
+    // The table has 0.1 %. Far away the paths that rounding sends elsewhere are many, and their noise at few samples
+    // is more than that.
+    let bound = if effort == Effort::Nightly { 1e-3 } else { 1e-2 };
     let Some(expected) = room(1.0, DVec3::ZERO, passes) else { return vec![refused("at scale 1")] };
     let far = DVec3::new(1e3, -5e2, 250.0);
     let mut figures = Vec::new();
@@ -89,12 +92,17 @@ pub(super) fn anywhere(effort: Effort) -> Vec<Figure> {
             continue;
         };
         let relative = (mean(&image) / mean(&expected) - 1.0).abs();
-        figures.push(Figure::at_most(format!("relative difference of the means, {what}"), relative, 1e-3));
+        let whole = expected.width.max(expected.height);
+        let z = |side: u32, x: u32, y: u32| {
+            let (a, b) = (tile(&image, side, x, y), tile(&expected, side, x, y));
+            (a.0 - b.0).abs() / (a.1 + b.1).sqrt().max(1e-6 * b.0)
+        };
+        figures.push(Figure::at_most(format!("relative difference of the means, {what}"), relative, bound));
+        figures.push(Figure::at_most(format!("|z| of the mean, {what}"), z(whole, 0, 0), 4.5));
         let mut worst = 0.0f64;
         for y in 0..image.height / TILE {
             for x in 0..image.width / TILE {
-                let (a, b) = (tile(&image, x, y), tile(&expected, x, y));
-                worst = worst.max((a.0 - b.0).abs() / (a.1 + b.1).sqrt().max(1e-6 * b.0));
+                worst = worst.max(z(TILE, x, y));
             }
         }
         figures.push(Figure::at_most(format!("largest |z| of 16 tiles, {what}"), worst, 4.5));
