@@ -8,6 +8,7 @@ mod lit;
 mod plates;
 mod round;
 mod scaled;
+mod terminator;
 
 use super::{Case, Class};
 
@@ -71,6 +72,12 @@ pub(super) const CASES: &[Case] = &[
         class: Class::Statistical,
         guards: "A ball that rests on the floor leaks no light where it touches it.",
         run: lit::contact,
+    },
+    Case {
+        id: "N11",
+        class: Class::Statistical,
+        guards: "Coarse spheres with smooth normals approach the exact sphere at the terminator, and lose no light.",
+        run: terminator::smooth_spheres,
     },
     Case {
         id: "N12",

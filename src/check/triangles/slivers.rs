@@ -2,6 +2,8 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
+use super::tree::{Compared, Trees};
+use crate::accel::Geometry;
 use crate::check::random::Random;
 use crate::check::surfaces::{U, aimed, at, barycentric, rotation};
 use crate::check::{Effort, Figure};
@@ -153,7 +155,31 @@ pub(super) fn thin(effort: Effort) -> Vec<Figure> {
         one(&mut tally, &mut r, flat, 350.0, 11.0);
     }
     figures.extend(tally.figures("sides 11.2 and 9.8, an angle of 0.52 degrees"));
+    figures.extend(many(&mut r, effort.trials(20_000)));
     figures
+}
+
+/// A tree over thin triangles, against brute force.
+fn many(r: &mut Random, n: u64) -> Vec<Figure> {
+    let mut g = Geometry::default();
+    for i in 0..400u32 {
+        let height = libm::pow(10.0, r.between(-7.0, -5.0));
+        let (turn, middle, apex) = (rotation(r), r.direction().as_dvec3() * 0.3, r.unit());
+        let flat = [DVec3::ZERO, DVec3::X, DVec3::new(apex, height, 0.0)];
+        g.positions.extend(flat.map(|p| (middle + turn * p).as_vec3()));
+        g.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    let trees = Trees::over(g);
+    let mut compared = Compared::default();
+    for _ in 0..n {
+        let v = trees.geometry().vertices((r.unit() * 400.0) as u32);
+        let target = at(v, barycentric(r));
+        let o = target + r.direction().as_dvec3() * libm::pow(10.0, r.between(-1.0, 3.0));
+        if let Some(ray) = aimed(o.as_vec3(), target) {
+            compared.add(&trees, &ray);
+        }
+    }
+    compared.figures("400 thin triangles", 0.02)
 }
 
 /// A ray aimed at a triangle that is turned and placed anywhere up to `place`, from `size` times 1e-1 to 1e3.
