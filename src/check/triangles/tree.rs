@@ -10,7 +10,7 @@ use crate::shape::Ray;
 use crate::shape::triangle::Shear;
 
 /// The first hit by trying all triangles.
-fn brute_force(g: &Geometry, ray: &Ray) -> Option<Hit> {
+pub(super) fn brute_force(g: &Geometry, ray: &Ray) -> Option<Hit> {
     let shear = Shear::new(ray);
     let mut best: Option<Hit> = None;
     for primitive in 0..g.triangles.len() as u32 {
@@ -25,14 +25,14 @@ fn brute_force(g: &Geometry, ray: &Ray) -> Option<Hit> {
 }
 
 /// A tree, walked by the kernel of this machine and by the portable one.
-pub(super) struct Trees {
+struct Trees {
     own: Accel,
     portable: Accel,
 }
 
 /// What was compared.
 #[derive(Default)]
-pub(super) struct Compared {
+struct Compared {
     rays: u64,
     found: u64,
     different: u64,
@@ -41,19 +41,14 @@ pub(super) struct Compared {
 }
 
 impl Trees {
-    pub(super) fn over(geometry: Geometry) -> Self {
+    fn over(geometry: Geometry) -> Self {
         let own = Accel::new(geometry, Vec::new(), &[]);
         Self { portable: own.clone().portable(), own }
-    }
-
-    /// What the trees are over.
-    pub(super) fn geometry(&self) -> &Geometry {
-        self.own.geometry(0)
     }
 }
 
 impl Compared {
-    pub(super) fn add(&mut self, trees: &Trees, ray: &Ray) {
+    fn add(&mut self, trees: &Trees, ray: &Ray) {
         let expected = brute_force(trees.own.geometry(0), ray);
         let closest = |a: &Accel| a.closest(ray, PrimitiveId::NONE, RayKind::Other);
         let shadow = expected.is_some_and(|h| h.t < ray.t_max);
@@ -64,7 +59,7 @@ impl Compared {
         self.different_shadows += u64::from(trees.own.occluded(ray, [PrimitiveId::NONE; 2]) != shadow);
     }
 
-    pub(super) fn figures(&self, what: &str, least: f64) -> Vec<Figure> {
+    fn figures(&self, what: &str, least: f64) -> Vec<Figure> {
         let n = self.rays;
         let count = |who: &str, v: u64| {
             Figure::exactly(format!("{who} other than by brute force, {n} rays, {what}"), v as f64, 0.0)
