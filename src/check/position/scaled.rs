@@ -73,7 +73,7 @@ fn tile(image: &Image, side: u32, x: u32, y: u32) -> (f64, f64) {
 /// N08. Both pictures are made from the same random numbers, so that only paths which rounding sends elsewhere
 /// differ, and the error that is compared with is too large by far.
 pub(super) fn anywhere(effort: Effort) -> Vec<Figure> {
-    let passes = effort.trials(32) as u32;
+    let passes = effort.trials(32).min(1_600) as u32;
     // The table has 0.1 %. Far away the paths that rounding sends elsewhere are many, and their noise at few samples
     // is more than that.
     let bound = if effort == Effort::Nightly { 1e-3 } else { 1e-2 };
