@@ -68,25 +68,3 @@ pub(super) const CASES: &[Case] = &[
         run: coincident::first_wins,
     },
 ];
-
-#[cfg(test)]
-mod tests {
-    use crate::check::{Effort, cases};
-
-    #[test]
-    fn figures() {
-        let mut text = String::new();
-        let wanted = std::env::var("CASE").unwrap_or_default();
-        for case in cases().iter().filter(|c| c.id.starts_with(&wanted)) {
-            let begin = std::time::Instant::now();
-            let figures =
-                (case.run)(if std::env::var("NIGHTLY").is_ok() { Effort::Nightly } else { Effort::Usual });
-            text += &format!("{} {:.2} s\n", case.id, begin.elapsed().as_secs_f64());
-            for f in figures {
-                let mark = if f.holds() { "   " } else { "BAD" };
-                text += &format!("  {mark} {} {:?} {}\n", f.value, f.bound, f.what);
-            }
-        }
-        std::fs::write("/tmp/hard1-figures.txt", &text).unwrap();
-    }
-}
