@@ -24,6 +24,7 @@ mod scaling;
 mod scenes;
 mod spheres;
 mod stage;
+mod surfaces;
 mod transport;
 mod triangles;
 

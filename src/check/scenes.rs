@@ -1,8 +1,6 @@
-//! Hard cases of whole scenes: scale, place, what is not there, and scenes that nobody thought of.
+//! Hard cases of whole scenes: what is not there, and scenes that nobody thought of.
 
 use std::fmt::Write as _;
-
-use glam::DVec3;
 
 use super::random::Random;
 use super::{Case, Class, Effort, Figure, scaled};
@@ -14,18 +12,6 @@ use crate::report::compare;
 use crate::scene::{Scene, complete, text, validate};
 
 pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "N07",
-        class: Class::Statistical,
-        guards: "lengths times a power of two leave every byte: no absolute epsilon anywhere",
-        run: powers_of_two,
-    },
-    Case {
-        id: "N08",
-        class: Class::Statistical,
-        guards: "a millionth of the size, a million times, or far from the origin: the same picture within noise",
-        run: other_places,
-    },
     Case { id: "N32", class: Class::Statistical, guards: "glass of index one is not there", run: no_glass },
     Case {
         id: "N75",
@@ -34,9 +20,6 @@ pub(super) const CASES: &[Case] = &[
         run: random_scenes,
     },
 ];
-
-/// The report's room: mirrors, clear and tinted glass, boxes, a lamp of two triangles.
-const ROOM: &str = include_str!("../../scenes/hexroom.toml");
 
 /// A scene from its text, ready to be prepared; `None` where it is not one.
 fn parse(toml: &str) -> Option<Scene> {
@@ -73,77 +56,6 @@ fn max_of(values: impl IntoIterator<Item = f64>) -> f64 {
 /// A figure that could not be measured, and so does not hold.
 fn unmeasured(what: &str) -> Vec<Figure> {
     vec![Figure::exactly(what, f64::NAN, 0.0)]
-}
-
-fn powers_of_two(_: Effort) -> Vec<Figure> {
-    const SIZE: [u32; 2] = [48, 48];
-    const SPP: u32 = 4;
-    let Some(scene) = parse(ROOM) else { return unmeasured("the report's room") };
-    let Some(unit) = picture(&scene, SIZE, SPP, 0) else { return unmeasured("the report's room") };
-    let figure = |k: i32| {
-        let other = picture(&scaled(&scene, k), SIZE, SPP, 0).map(|i| i.rgb).unwrap_or_default();
-        let same = other.iter().zip(&unit.rgb).filter(|(a, b)| a == b).count();
-        let differing = unit.rgb.len() - same;
-        Figure::exactly(
-            format!("pixels of {} that differ at lengths times 2^{k}", unit.rgb.len()),
-            differing as f64,
-            0.0,
-        )
-    };
-    [-20, -10, -1, 1, 10, 20].map(figure).to_vec()
-}
-
-fn other_places(_: Effort) -> Vec<Figure> {
-    const SIZE: [u32; 2] = [32, 32];
-    const SPP: u32 = 64;
-    const DIFFUSE: &str = include_str!("../../scenes/hexroom-diffuse.toml");
-    let Some(scene) = parse(DIFFUSE) else { return unmeasured("the room") };
-    let Some(reference) = picture(&scene, SIZE, SPP, 1) else { return unmeasured("the room") };
-    let mut figures = Vec::new();
-    let mut judge = |what: &str, other: Option<Image>| {
-        let compared = other.and_then(|o| compare(&o, &reference).ok());
-        let (z, p) = compared.map_or((f64::NAN, f64::NAN), |c| {
-            (max_of(c.channels.iter().map(|c| c.z.unwrap_or(f64::NAN).abs())), c.p.unwrap_or(f64::NAN))
-        });
-        figures.push(Figure::at_most(format!("largest z of a channel's mean, {what}"), z, 4.5));
-        figures.push(Figure::at_least(format!("p over tiles of 16x16, {what}"), p, 1e-5));
-    };
-    for factor in [1e-6, 1e6] {
-        judge(&format!("lengths times {factor:e}"), picture(&resized(&scene, factor), SIZE, SPP, 2));
-    }
-    // The room is some 13 m long.
-    let far = DVec3::new(1e3, -5e2, 250.0) * 13.0;
-    judge("moved by a thousand times its size", picture(&moved(&scene, far), SIZE, SPP, 3));
-    figures
-}
-
-/// Lengths times any factor, watts times its square: two powers of two would be exact, this is not.
-fn resized(scene: &Scene, factor: f64) -> Scene {
-    let mut scene = scene.clone();
-    for mesh in &mut scene.meshes {
-        mesh.positions.iter_mut().for_each(|p| *p = (p.as_dvec3() * factor).as_vec3());
-    }
-    for object in &mut scene.objects {
-        object.transform.translation *= factor;
-        if let crate::scene::Shape::Sphere { radius } = &mut object.shape {
-            *radius *= factor;
-        }
-    }
-    for camera in &mut scene.cameras {
-        camera.transform.translation *= factor;
-    }
-    scene
-}
-
-fn moved(scene: &Scene, by: DVec3) -> Scene {
-    let mut scene = scene.clone();
-    for object in &mut scene.objects {
-        object.transform.translation += by;
-    }
-    for camera in &mut scene.cameras {
-        camera.transform.translation += by;
-    }
-    scene
 }
 
 fn no_glass(_: Effort) -> Vec<Figure> {

@@ -41,7 +41,8 @@ impl Prepared {
         }
         let v = geometry.vertices(id.primitive);
         let (p, p_err) = triangle::point(v, hit.b[0], hit.b[1]);
-        // A hit has a determinant, and with it an area.
+        // A hit has a determinant, and with it an area, but for rounding: vertices that were placed so far away
+        // that they lie on a line can still be met.
         let ng = triangle::normal(v).unwrap_or(Vec3::Y);
         let mut ns = ng;
         let normals = &self.geometry.normals[self.accel.space_of(id.instance) as usize];
