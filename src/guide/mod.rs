@@ -24,6 +24,9 @@ pub mod from_obj {}
 #[doc = include_str!("golden.md")]
 pub mod golden {}
 
+#[doc = include_str!("hard-cases.md")]
+pub mod hard_cases {}
+
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
@@ -36,13 +39,14 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 9] = [
+    const PAGES: [(&str, &str); 10] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
         ("convert.md", include_str!("convert.md")),
         ("from-obj.md", include_str!("from-obj.md")),
         ("golden.md", include_str!("golden.md")),
+        ("hard-cases.md", include_str!("hard-cases.md")),
         ("numbers.md", include_str!("numbers.md")),
         ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),
