@@ -2,6 +2,7 @@
 
 mod numbers;
 mod range;
+mod slopes;
 mod threads;
 
 use super::random::Random;
@@ -57,6 +58,12 @@ pub(super) const CASES: &[Case] = &[
         class: Class::Unit,
         guards: "Samples fill the unit square as they promise, and are uncorrelated between uses and pixels.",
         run: numbers::uniform,
+    },
+    Case {
+        id: "N70",
+        class: Class::Unit,
+        guards: "Error falls with samples as fast as it does for scrambled nets, not as for independent numbers.",
+        run: slopes::convergence,
     },
 ];
 

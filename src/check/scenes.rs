@@ -1,4 +1,4 @@
-//! Hard cases of whole scenes: what is not there, and scenes that nobody thought of.
+//! Hard cases of whole scenes: an empty one, what is not there, and scenes that nobody thought of.
 
 use std::fmt::Write as _;
 
@@ -13,6 +13,12 @@ use crate::scene::{Scene, complete, text, validate};
 
 pub(super) const CASES: &[Case] = &[
     Case { id: "N32", class: Class::Statistical, guards: "Glass of index one is not there.", run: no_glass },
+    Case {
+        id: "N73",
+        class: Class::Unit,
+        guards: "Under a sky of radiance one every pixel is one, at the borders of tiles, pictures and crops too.",
+        run: constant,
+    },
     Case {
         id: "N75",
         class: Class::Statistical,
@@ -56,6 +62,38 @@ fn max_of(values: impl IntoIterator<Item = f64>) -> f64 {
 /// A figure that could not be measured, and so does not hold.
 fn unmeasured(what: &str) -> Vec<Figure> {
     vec![Figure::exactly(what, f64::NAN, 0.0)]
+}
+
+fn constant(_: Effort) -> Vec<Figure> {
+    const SIZE: [u32; 2] = [37, 23];
+    const CROP: [u32; 4] = [15, 7, 18, 16];
+    let Some(scene) = parse(
+        "epsilux = 1\n[environment]\nradiance = [1, 1, 1]\n[camera]\nfront = { eye = [0, 0, 1], target = [0, 0, 0], fov = 90 }\n",
+    ) else {
+        return unmeasured("a sky");
+    };
+    let options = Options {
+        camera: None,
+        size: SIZE,
+        seed: 0,
+        effects: EffectsMode::Auto,
+        max_depth: None,
+        transparent: false,
+    };
+    let Ok(prepared) = prepare(&scene, &options) else { return unmeasured("a sky") };
+    let shoot = |crop: Option<[u32; 4]>| {
+        let options = RenderOptions { crop, ..RenderOptions::passes(0..8) };
+        render(&prepared, &options, &Quiet).map(|o| o.film.to_image().rgb).unwrap_or_default()
+    };
+    let worst = |pixels: &[Rgb], expected: usize| {
+        let off = |c: &Rgb| max_of(c.to_array().map(|v| (f64::from(v) - 1.0).abs()));
+        if pixels.len() == expected { max_of(pixels.iter().map(off)) } else { f64::NAN }
+    };
+    let (whole, crop) = (shoot(None), shoot(Some(CROP)));
+    vec![
+        Figure::at_most("largest deviation of 37x23 pixels", worst(&whole, 37 * 23), 1e-6),
+        Figure::at_most("largest deviation of a crop of 18x16", worst(&crop, 18 * 16), 1e-6),
+    ]
 }
 
 fn no_glass(_: Effort) -> Vec<Figure> {
