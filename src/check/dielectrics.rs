@@ -4,6 +4,7 @@ mod scenes;
 
 use glam::{DVec3, Vec3};
 
+use super::closed_forms::fresnel;
 use super::random::Random;
 use super::stage::larger;
 use super::{Case, Class, Effort, Figure};
@@ -59,24 +60,6 @@ pub(super) const CASES: &[Case] = &[
         run: scenes::inside,
     },
 ];
-
-/// Reflectance of a smooth dielectric from the angle of incidence in radians, by Fresnel's sine and tangent
-/// laws; `eta` = n_transmitted / n_incident.
-fn fresnel(angle: f64, eta: f64) -> f64 {
-    let sin_t = libm::sin(angle) / eta;
-    if sin_t >= 1.0 {
-        return 1.0;
-    }
-    let t = libm::asin(sin_t);
-    let (sum, difference) = (angle + t, angle - t);
-    if sum < 1e-6 {
-        let r = (eta - 1.0) / (eta + 1.0);
-        return r * r;
-    }
-    let s = libm::sin(difference) / libm::sin(sum);
-    let p = libm::tan(difference) / libm::tan(sum);
-    0.5 * (s * s + p * p)
-}
 
 fn reflectances(effort: Effort) -> Vec<Figure> {
     let count = effort.trials(100_000);

@@ -8,7 +8,7 @@ mod threads;
 use super::random::Random;
 use super::{Case, Class, Effort, Figure};
 use crate::color::Rgb;
-use crate::film::{Film, FilmLayout, FixedPoint, Refusal, Sample};
+use crate::film::{Film, FilmLayout, Refusal, Sample};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -68,16 +68,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 fn film(width: u32, height: u32) -> Film {
-    Film::new(FilmLayout {
-        crop: [0, 0, width, height],
-        full_size: [width, height],
-        replications: 4,
-        radiance: FixedPoint::around(1.0),
-        length: FixedPoint::around(1.0),
-        features: false,
-        layers: false,
-        transparent: false,
-    })
+    Film::new(FilmLayout::plain([width, height]))
 }
 
 fn sample(v: f32) -> Sample {

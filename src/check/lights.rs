@@ -10,6 +10,7 @@ use std::f64::consts::{FRAC_PI_4, PI, SQRT_2};
 use glam::{DVec3, Vec3};
 
 use super::build::{Build, Probe, Shooter, beside, diffuse, emitter, look_at, worst};
+use super::closed_forms::{polygon_irradiance, sphere_irradiance};
 use super::random::Random;
 use super::{Case, Class, Effort, Figure};
 use crate::accel::PrimitiveId;
@@ -79,27 +80,6 @@ fn tilted(tilt: f64) -> DVec3 {
     DVec3::new(libm::sin(tilt), 0.0, libm::cos(tilt))
 }
 
-/// Irradiance at the origin, normal `n`, from a convex polygon of radiance one, cut at the horizon (Lambert).
-fn polygon_irradiance(corners: &[DVec3], n: DVec3) -> f64 {
-    let mut visible = Vec::new();
-    for (i, &a) in corners.iter().enumerate() {
-        let b = corners[(i + 1) % corners.len()];
-        let (height_a, height_b) = (a.dot(n), b.dot(n));
-        if height_a >= 0.0 {
-            visible.push(a);
-        }
-        if height_a * height_b < 0.0 {
-            visible.push(a + (b - a) * (height_a / (height_a - height_b)));
-        }
-    }
-    let edge = |i: usize| {
-        let (a, b) = (visible[i], visible[(i + 1) % visible.len()]);
-        let cross = a.cross(b);
-        cross.try_normalize().map_or(0.0, |axis| libm::atan2(cross.length(), a.dot(b)) * axis.dot(n))
-    };
-    0.5 * (0..visible.len()).map(edge).sum::<f64>().abs()
-}
-
 /// The list's O04 f is left out: it has a value (0.460072152) and no set-up. O05 is irradiance times d^2.
 fn squares(effort: Effort) -> Vec<Figure> {
     let mut figures = Vec::new();
@@ -161,23 +141,6 @@ fn noise(effort: Effort) -> Vec<Figure> {
         Figure::at_most(format!("variation of one light sample, square light {h} above"), cv, 1.05 * uniform)
     };
     vec![one(0.01, 0.5524), one(0.1, 0.4045), one(1.0, 0.0433), one(16.0, 2.1e-4)]
-}
-
-/// Irradiance from a sphere of radiance one whose centre is `distance` away, `tilt` off the receiver's normal; the
-/// horizon may cut it (J. M. Snyder, "Area Light Sources for Real-Time Graphics", Microsoft Research, 1996).
-fn sphere_irradiance(radius: f64, distance: f64, tilt: f64) -> f64 {
-    let h = distance / radius;
-    let (sin, cos) = (libm::sin(tilt), libm::cos(tilt));
-    if cos * h >= 1.0 {
-        return PI * cos / (h * h);
-    }
-    if cos * h <= -1.0 {
-        return 0.0;
-    }
-    let x = (h * h - 1.0).sqrt();
-    let y = (-x * cos / sin).clamp(-1.0, 1.0);
-    let s = sin * (1.0 - y * y).sqrt();
-    (cos * libm::acos(y) - x * s) / (h * h) + libm::atan(s / x)
 }
 
 fn spheres(effort: Effort) -> Vec<Figure> {

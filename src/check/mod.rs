@@ -12,6 +12,7 @@
 
 mod build;
 mod camera;
+pub mod closed_forms;
 mod dielectrics;
 mod film;
 mod lights;
@@ -28,7 +29,7 @@ mod surfaces;
 mod transport;
 mod triangles;
 
-pub use own::{Finding, Says, SceneCheckError, check_scene};
+pub use own::{Finding, Says, check_scene};
 pub use prices::{Price, prices};
 pub use scaling::scaled;
 

@@ -6,8 +6,8 @@ use super::scaling::scaled;
 use crate::accel::{PrimitiveId, RayKind};
 use crate::film::Image;
 use crate::integrate::naive::{ReferenceOptions, reference};
-use crate::integrate::{Control, Outcome, RenderError, RenderOptions, render};
-use crate::prepare::{EffectsMode, Options, PrepareError, Prepared, prepare};
+use crate::integrate::{Control, Outcome, RenderOptions, RunError, render};
+use crate::prepare::{EffectsMode, Options, Prepared, prepare};
 use crate::report::{Verdict, compare};
 use crate::scene::{MaterialKind, Mesh, Scene, Shape};
 use crate::shape::{Ray, offset_origin};
@@ -36,20 +36,6 @@ pub enum Says {
     Skipped,
 }
 
-/// Why a scene could not be checked.
-#[derive(Debug, thiserror::Error)]
-pub enum SceneCheckError {
-    /// It cannot be prepared.
-    #[error("{0}")]
-    Prepare(#[from] PrepareError),
-    /// It cannot be rendered.
-    #[error("{0}")]
-    Render(#[from] RenderError),
-    /// Somebody asked to stop.
-    #[error("stopped")]
-    Cancelled,
-}
-
 /// Passes of the pictures that are compared bit for bit.
 const PASSES: u32 = 8;
 /// Samples a pixel where the default method is compared with the reference integrator.
@@ -68,7 +54,7 @@ pub fn check_scene(
     camera: usize,
     size: [u32; 2],
     control: &dyn Control,
-) -> Result<Vec<Finding>, SceneCheckError> {
+) -> Result<Vec<Finding>, RunError> {
     let own = Own { scene, camera, size, control };
     let first = own.render(scene, EffectsMode::Auto, 1)?;
     Ok(vec![
@@ -100,7 +86,7 @@ fn judge(name: &'static str, holds: bool, good: impl Into<String>, bad: impl Int
 }
 
 impl Own<'_> {
-    fn prepare(&self, scene: &Scene, effects: EffectsMode) -> Result<Prepared, SceneCheckError> {
+    fn prepare(&self, scene: &Scene, effects: EffectsMode) -> Result<Prepared, RunError> {
         let options = Options {
             camera: scene.cameras.get(self.camera).map(|c| c.name.clone()),
             size: self.size,
@@ -112,15 +98,10 @@ impl Own<'_> {
         Ok(prepare(scene, &options)?)
     }
 
-    fn render(
-        &self,
-        scene: &Scene,
-        effects: EffectsMode,
-        threads: usize,
-    ) -> Result<Outcome, SceneCheckError> {
+    fn render(&self, scene: &Scene, effects: EffectsMode, threads: usize) -> Result<Outcome, RunError> {
         let options = RenderOptions { threads, ..RenderOptions::passes(0..PASSES) };
         let outcome = render(&self.prepare(scene, effects)?, &options, self.control)?;
-        if outcome.cancelled { Err(SceneCheckError::Cancelled) } else { Ok(outcome) }
+        if outcome.cancelled { Err(RunError::Cancelled) } else { Ok(outcome) }
     }
 
     fn refused(&self, first: &Outcome) -> Finding {
@@ -142,20 +123,20 @@ impl Own<'_> {
         )
     }
 
-    fn threads(&self, first: &Outcome) -> Result<Finding, SceneCheckError> {
+    fn threads(&self, first: &Outcome) -> Result<Finding, RunError> {
         let other = self.render(self.scene, EffectsMode::Auto, 3)?;
         let holds = other.film == first.film;
         Ok(judge("threads", holds, "one thread and three make the same bytes", "one thread and three differ"))
     }
 
-    fn kernels(&self, first: &Outcome) -> Result<Finding, SceneCheckError> {
+    fn kernels(&self, first: &Outcome) -> Result<Finding, RunError> {
         let other = self.render(self.scene, EffectsMode::All, 1)?;
         let good = "the planned kernel and the one that simulates everything make the same bytes";
         let holds = other.film == first.film;
         Ok(judge("kernels", holds, good, "the planned kernel leaves something out: its bytes differ"))
     }
 
-    fn scales(&self, first: &Outcome) -> Result<Finding, SceneCheckError> {
+    fn scales(&self, first: &Outcome) -> Result<Finding, RunError> {
         let expected = first.film.to_image().rgb;
         for k in SCALES {
             let other = self.render(&scaled(self.scene, k), EffectsMode::Auto, 1)?.film.to_image().rgb;
@@ -182,7 +163,7 @@ impl Own<'_> {
     }
 
     /// The default method against brute force, in the middle of the picture.
-    fn reference(&self) -> Result<Finding, SceneCheckError> {
+    fn reference(&self) -> Result<Finding, RunError> {
         const NAME: &str = "reference";
         const SIDE: u32 = 16;
         let triangles: f64 = self.scene.objects.iter().map(|o| self.count(&o.shape)).sum();
@@ -213,7 +194,7 @@ impl Own<'_> {
         };
         let slow = reference(self.scene, &slow, &|| self.control.cancelled(), &|_| ());
         if self.control.cancelled() {
-            return Err(SceneCheckError::Cancelled);
+            return Err(RunError::Cancelled);
         }
         let Ok(slow) = slow else {
             return Ok(say(NAME, Says::Skipped, "the reference integrator cannot render it"));

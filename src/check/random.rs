@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::math::mix64;
+use crate::math::{fnv1a, mix64};
 
 /// A stream of numbers (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", 2014).
 pub(super) struct Random(u64);
@@ -10,7 +10,7 @@ pub(super) struct Random(u64);
 impl Random {
     /// The stream of a case.
     pub(super) fn of(id: &str) -> Self {
-        Self(id.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)))
+        Self(fnv1a(id.bytes()))
     }
 
     /// Any 64 bits.

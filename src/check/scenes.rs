@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::build::worst;
 use super::random::Random;
 use super::{Case, Class, Effort, Figure, scaled};
 use crate::color::Rgb;
@@ -52,13 +53,6 @@ fn picture(scene: &Scene, size: [u32; 2], spp: u32, seed: u64) -> Option<Image> 
     Some(shoot(scene, size, spp, seed)?.film.to_image())
 }
 
-/// The largest of some numbers; what is not a number is larger than all.
-fn max_of(values: impl IntoIterator<Item = f64>) -> f64 {
-    values
-        .into_iter()
-        .fold(f64::NEG_INFINITY, |a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) })
-}
-
 /// A figure that could not be measured, and so does not hold.
 fn unmeasured(what: &str) -> Vec<Figure> {
     vec![Figure::exactly(what, f64::NAN, 0.0)]
@@ -85,14 +79,14 @@ fn constant(_: Effort) -> Vec<Figure> {
         let options = RenderOptions { crop, ..RenderOptions::passes(0..8) };
         render(&prepared, &options, &Quiet).map(|o| o.film.to_image().rgb).unwrap_or_default()
     };
-    let worst = |pixels: &[Rgb], expected: usize| {
-        let off = |c: &Rgb| max_of(c.to_array().map(|v| (f64::from(v) - 1.0).abs()));
-        if pixels.len() == expected { max_of(pixels.iter().map(off)) } else { f64::NAN }
+    let deviation = |pixels: &[Rgb], expected: usize| {
+        let off = |c: &Rgb| worst(c.to_array().map(|v| (f64::from(v) - 1.0).abs()));
+        if pixels.len() == expected { worst(pixels.iter().map(off)) } else { f64::NAN }
     };
     let (whole, crop) = (shoot(None), shoot(Some(CROP)));
     vec![
-        Figure::at_most("largest deviation of 37x23 pixels", worst(&whole, 37 * 23), 1e-6),
-        Figure::at_most("largest deviation of a crop of 18x16", worst(&crop, 18 * 16), 1e-6),
+        Figure::at_most("largest deviation of 37x23 pixels", deviation(&whole, 37 * 23), 1e-6),
+        Figure::at_most("largest deviation of a crop of 18x16", deviation(&crop, 18 * 16), 1e-6),
     ]
 }
 
@@ -123,7 +117,7 @@ rect = {{ corner = [-1, 3, -1], edges = [[2, 0, 0], [0, 0, 2]], facing = [0, 0, 
         return unmeasured("a floor and a lamp");
     };
     let Ok(c) = compare(&with, &without) else { return unmeasured("two pictures") };
-    let z = max_of(c.channels.iter().map(|c| c.z.unwrap_or(f64::NAN).abs()));
+    let z = worst(c.channels.iter().map(|c| c.z.unwrap_or(f64::NAN).abs()));
     vec![
         Figure::at_most("largest z of a channel's mean, a ball of index 1 against none", z, 4.5),
         Figure::at_least("p over tiles of 16x16", c.p.unwrap_or(f64::NAN), 1e-5),
@@ -145,7 +139,7 @@ fn make(random: &mut Random) -> Made {
     let (mut materials, mut objects) = (String::new(), String::new());
     let colour = |random: &mut Random, most: f64| {
         let c = [0, 1, 2].map(|_| random.between(0.0, most));
-        (format!("[{}, {}, {}]", c[0], c[1], c[2]), max_of(c))
+        (format!("[{}, {}, {}]", c[0], c[1], c[2]), worst(c))
     };
     let count = 3 + (random.bits() % 6) as usize;
     for i in 0..count {

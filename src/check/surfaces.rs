@@ -12,9 +12,6 @@ use crate::scene::{
 };
 use crate::shape::{Ray, triangle};
 
-/// The unit of rounding, 2^-24.
-pub(super) const U: f64 = f32::EPSILON as f64 / 2.0;
-
 /// Any rotation.
 pub(super) fn rotation(r: &mut Random) -> DMat3 {
     DMat3::from_axis_angle(

@@ -12,8 +12,8 @@ use super::schema::to_json;
 use super::signal::Stop;
 use super::units::show_time;
 use super::{Code, load, render};
-use crate::check::{self, Bound, Case, Effort, Figure, Finding, Says, SceneCheckError, cases, check_scene};
-use crate::integrate::Control;
+use crate::check::{self, Bound, Case, Effort, Figure, Finding, Says, cases, check_scene};
+use crate::integrate::{Control, RunError};
 
 #[derive(Serialize)]
 struct CheckJson {
@@ -122,7 +122,7 @@ fn own(args: &CheckArgs, path: &Path, console: &Console) -> Result<Code, Failure
     let index = loaded.scene.cameras.iter().position(|c| c.name == name).unwrap_or(0);
     let stop = Stoppable(Stop::listen());
     let findings = check_scene(&loaded.scene, index, size, &stop).map_err(|e| match (e, stop.0.code()) {
-        (SceneCheckError::Cancelled, Some(code)) => Failure::stopped(code, "stopped"),
+        (RunError::Cancelled, Some(code)) => Failure::stopped(code, "stopped"),
         (e, _) => Failure::load(format!("{}: {e}", path.display())),
     })?;
     let fails = findings.iter().any(|f| f.verdict == Says::Fails);

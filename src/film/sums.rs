@@ -25,6 +25,23 @@ pub struct FilmLayout {
     pub transparent: bool,
 }
 
+impl FilmLayout {
+    /// A whole picture of radiances about one in four replications, and nothing else.
+    #[must_use]
+    pub fn plain([width, height]: [u32; 2]) -> Self {
+        Self {
+            crop: [0, 0, width, height],
+            full_size: [width, height],
+            replications: 4,
+            radiance: FixedPoint::around(1.0),
+            length: FixedPoint::around(1.0),
+            features: false,
+            layers: false,
+            transparent: false,
+        }
+    }
+}
+
 /// Why a sample was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Refusal {
@@ -350,16 +367,7 @@ mod tests {
     use super::*;
 
     fn layout(replications: u32) -> FilmLayout {
-        FilmLayout {
-            crop: [0, 0, 2, 1],
-            full_size: [2, 1],
-            replications,
-            radiance: FixedPoint::around(1.0),
-            length: FixedPoint::around(1.0),
-            features: false,
-            layers: false,
-            transparent: false,
-        }
+        FilmLayout { replications, ..FilmLayout::plain([2, 1]) }
     }
 
     fn sample(v: f32) -> Sample {

@@ -3,10 +3,11 @@
 use sha2::{Digest, Sha256};
 
 use super::reference::Reference;
-use super::run::{Run, RunError, Subject};
+use super::run::{Run, Subject};
 use super::verdict::Check;
 use crate::color::Rgb;
-use crate::film::{Film, FilmLayout, FixedPoint, Image, Sample};
+use crate::film::{Film, FilmLayout, Image, Sample};
+use crate::integrate::RunError;
 use crate::output::{self, Format, WriteOptions};
 use crate::scene;
 
@@ -66,17 +67,7 @@ pub(super) fn threads(subject: &Subject, seed: u64) -> Result<Check, RunError> {
 
 /// The film refuses what is not a radiance, and counts it.
 pub(super) fn film() -> Check {
-    let layout = FilmLayout {
-        crop: [0, 0, 1, 1],
-        full_size: [1, 1],
-        replications: 4,
-        radiance: FixedPoint::around(1.0),
-        length: FixedPoint::around(1.0),
-        features: false,
-        layers: false,
-        transparent: false,
-    };
-    let mut film = Film::new(layout);
+    let mut film = Film::new(FilmLayout::plain([1, 1]));
     let bad = [f32::NAN, f32::INFINITY, -1.0];
     let add = |v: f32| film.add(0, 0, &Sample { radiance: Rgb::new(1.0, v, 1.0), ..Sample::default() });
     let refused = bad.map(add).iter().filter(|r| r.is_err()).count();

@@ -28,9 +28,9 @@ pub use blessing::account;
 pub use page::{About, page};
 pub use record::{Forecast, PILOTS, RecordError, Step, Watch, record};
 pub use reference::{Found, Reference, ReferenceError, SCHEMA, Stage};
-pub use run::{Role, Run, RunError, Subject, seed};
+pub use run::{Role, Run, Subject, seed};
 pub use suite::{Accept, Entry, Settings, Suite, SuiteError, Truth};
-pub use verdict::{Check, CurvePoint, Power, Reason, Verdict, Verification};
+pub use verdict::{Check, CurvePoint, Power, Reason, Verdict, Verification, notices};
 pub use verify::{VerifyOptions, verify, verify_picture};
 
 /// Probability that a whole suite is refused although nothing is wrong; its scenes share it.

@@ -2,14 +2,14 @@
 
 use super::checks;
 use super::reference::{Found, Reference, Stage, mean_image};
-use super::run::{Baseline, LUMINANCE, Role, Run, RunError, Subject, luminance, pilot_planes, seed};
+use super::run::{Baseline, LUMINANCE, Role, Run, Subject, luminance, pilot_planes, seed};
 use super::suite::{Entry, Truth};
 use super::verdict::{Check, Power};
 use super::words::percent;
 use crate::color::Rgb;
 use crate::film::Image;
-use crate::integrate::Control;
 use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
+use crate::integrate::{Control, RunError};
 use crate::scene;
 use crate::stats::gate::{Family, Finding, Null, Outcome, Planes, Profile};
 use crate::stats::{Moments, two_sided};

@@ -2,11 +2,12 @@
 
 use super::suite::Settings;
 use crate::film::{Film, Image, LightLayer};
-use crate::integrate::{self, BadSample, Control, RenderError, RenderOptions};
-use crate::math::mix64;
-use crate::prepare::{self, EffectsMode, PrepareError};
+use crate::integrate::{self, BadSample, Control, RenderOptions, RunError};
+use crate::math::{fnv1a, mix64};
+use crate::prepare::{self, EffectsMode};
 use crate::scene::Scene;
 use crate::stats::gate::{Planes, Profile, floor};
+use crate::stats::slope;
 
 /// A scene, and how it is rendered.
 #[derive(Clone, Debug)]
@@ -15,20 +16,6 @@ pub struct Subject {
     pub scene: Scene,
     /// How.
     pub settings: Settings,
-}
-
-/// Why a scene could not be run.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// The scene cannot be prepared.
-    #[error("{0}")]
-    Prepare(#[from] PrepareError),
-    /// The render could not start.
-    #[error("{0}")]
-    Render(#[from] RenderError),
-    /// Somebody asked to stop.
-    #[error("stopped")]
-    Cancelled,
 }
 
 /// What a seed is for: runs under test, pilots and null runs share none.
@@ -53,9 +40,7 @@ pub fn seed(name: &str, role: Role, i: u32) -> u64 {
         Role::Truth => ("truth", 0),
         Role::Test(fresh) => ("test", fresh),
     };
-    // FNV-1a (Fowler, Noll and Vo), then mixed.
-    let bytes = name.bytes().chain([0]).chain(tag.bytes());
-    let hash = bytes.fold(0xcbf2_9ce4_8422_2325u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
+    let hash = fnv1a(name.bytes().chain([0]).chain(tag.bytes()));
     mix64(mix64(hash ^ fresh).wrapping_add(u64::from(i)))
 }
 
@@ -271,27 +256,9 @@ pub(super) fn pilot_planes(run: &Run) -> Planes {
     Planes { scalars, ..planes(&run.image) }
 }
 
-/// Least squares.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len().max(1) as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
-    let (sxy, sxx) =
-        points.iter().fold((0.0, 0.0), |(a, b), p| (a + (p.0 - x) * (p.1 - y), b + (p.0 - x) * (p.0 - x)));
-    if sxx > 0.0 { sxy / sxx } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Known value: error that falls with the root of the samples has slope -1/2.
-    #[test]
-    fn slopes() {
-        let root: Vec<(f64, f64)> =
-            [8.0, 16.0, 32.0, 64.0].map(|n: f64| (libm::log(n), -0.5 * libm::log(n) + 3.0)).to_vec();
-        assert!((slope(&root) + 0.5).abs() < 1e-12);
-        assert_eq!(slope(&[(1.0, 2.0)]), 0.0);
-    }
 
     /// Guards that pilots, null runs and tests share no seed, and that fresh seeds are others.
     #[test]

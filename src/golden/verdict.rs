@@ -114,3 +114,9 @@ pub struct Verification {
     /// Wall-clock time, seconds.
     pub seconds: f64,
 }
+
+/// The smallest relative change of all light that is noticed with a probability of 99 %.
+#[must_use]
+pub fn notices(power: &[Power]) -> Option<f64> {
+    power.iter().find(|p| p.statistic == "matched, luminance").map(|p| p.shift)
+}

@@ -5,11 +5,12 @@ use std::time::Instant;
 use super::checks;
 use super::record::{Watch, many, power, test_picture};
 use super::reference::{Reference, mean_image};
-use super::run::{Baseline, Role, Run, RunError, Subject, luminance};
+use super::run::{Baseline, Role, Run, Subject, luminance};
 use super::suite::Entry;
 use super::verdict::{Check, CurvePoint, Reason, Verdict, Verification};
 use super::words;
 use crate::film::Image;
+use crate::integrate::RunError;
 use crate::stats::gate::{Outcome, Planes};
 
 /// How to verify.

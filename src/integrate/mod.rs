@@ -18,5 +18,7 @@ mod scatter;
 pub(crate) use direct::mis_weight;
 pub use kernels::{Kernel, LayeredLiFn, LiFn, kernel};
 pub use li::{Counters, Layers};
-pub use render::{BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, render, replay};
+pub use render::{
+    BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, render, replay,
+};
 pub(crate) use roulette::survive;

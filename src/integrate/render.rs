@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use super::kernels::{Kernel, kernel};
 use super::li::{Counters, first_surface};
 use crate::film::{Features, Film, FilmLayout, Refusal, Sample};
-use crate::prepare::Prepared;
+use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
 
@@ -148,6 +148,20 @@ pub enum RenderError {
         /// What the system said.
         reason: String,
     },
+}
+
+/// Why a scene could not be prepared and rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scene cannot be prepared.
+    #[error("{0}")]
+    Prepare(#[from] PrepareError),
+    /// The render could not start.
+    #[error("{0}")]
+    Render(#[from] RenderError),
+    /// Somebody asked to stop.
+    #[error("stopped")]
+    Cancelled,
 }
 
 /// Whoever makes the samples: a method of light transport on a scene.

@@ -97,6 +97,13 @@ pub fn floor_pow2(x: f32) -> f32 {
     f32::from_bits(x.to_bits() & 0x7f80_0000)
 }
 
+/// FNV-1a of some bytes, 64 bits (Fowler, Noll and Vo): the number of a name.
+#[must_use]
+pub fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
+    let step = |h: u64, b: u8| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3);
+    bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, step)
+}
+
 /// 64-bit mixing function (the finaliser of SplitMix64, Steele et al., OOPSLA 2014).
 #[inline]
 #[must_use]

@@ -296,7 +296,8 @@ fn least(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// A probability for people: three decimals, or its order of magnitude.
-fn probability(p: f64) -> String {
+#[must_use]
+pub fn probability(p: f64) -> String {
     if p < 5e-4 { format!("{p:.0e}") } else { format!("{p:.3}") }
 }
 

@@ -6,7 +6,7 @@ mod flip;
 mod heat;
 mod inventory;
 
-pub use compare::{Basis, Channel, CompareError, Comparison, Tiles, Verdict, compare};
+pub use compare::{Basis, Channel, CompareError, Comparison, Tiles, Verdict, compare, probability};
 pub use flip::flip;
 pub use heat::{difference_map, flip_map};
 pub use inventory::{Inventory, inventory};

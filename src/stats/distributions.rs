@@ -41,6 +41,13 @@ pub fn sidak(p: f64, n: usize) -> f64 {
     -libm::expm1(n as f64 * libm::log1p(-p.clamp(0.0, 1.0)))
 }
 
+/// The p-value of one test out of `n` whose [`sidak`] value is `p`: what each may claim so that all together keep a
+/// significance of `p`.
+#[must_use]
+pub fn sidak_each(p: f64, n: usize) -> f64 {
+    -libm::expm1(libm::log1p(-p) / n.max(1) as f64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,9 @@ mod distributions;
 mod error;
 pub mod gate;
 mod moments;
+mod slope;
 
-pub use distributions::{normal_cdf, normal_quantile, sidak, student_two_sided, two_sided};
+pub use distributions::{normal_cdf, normal_quantile, sidak, sidak_each, student_two_sided, two_sided};
 pub use error::{relative_error, relative_mse, root_mean_square_error};
 pub use moments::{Moments, Welch, welch};
+pub use slope::slope;

@@ -3,7 +3,6 @@
 
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
-pub(crate) mod closed_forms;
 pub(crate) mod compare;
 pub(crate) mod fast;
 pub(crate) mod features;

@@ -1,7 +1,7 @@
 //! Scenes with a known answer: each case holds the scene, the rays to shoot and what they must see.
 //!
 //! The numbers O02 to O16 are those of the list of oracles; a case's expected value comes from
-//! [`super::closed_forms`], and the list's own value stands beside it where it has one.
+//! [`epsilux::check::closed_forms`], and the list's own value stands beside it where it has one.
 
 mod build;
 mod dielectrics;

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::fresnel;
+use crate::check::closed_forms::{ball_with_core, slab_transmittance};
 use crate::check::stage::{Stage, cuboid, diffuse, emitter, glass, quad, sky, sphere};
 use crate::check::{Effort, Figure};
 use crate::color::Rgb;
@@ -29,8 +29,7 @@ pub(super) fn slabs(effort: Effort) -> Vec<Figure> {
     let mut figures = Vec::new();
     for (degrees, listed, tolerance, log) in angles {
         let angle = f64::to_radians(degrees);
-        let r = fresnel(angle, 1.5);
-        let expected = (1.0 - r) / (1.0 + r);
+        let expected = slab_transmittance(angle, 1.5, 1.0);
         let what = format!("transmittance at {degrees:.1} degrees");
         if let Some(listed) = listed {
             figures.push(Figure::at_most(
@@ -45,24 +44,6 @@ pub(super) fn slabs(effort: Effort) -> Vec<Figure> {
         figures.extend(stage.agrees(&what, ray, (expected, tolerance), (effort, 1 << log)));
     }
     figures
-}
-
-/// Cosine-weighted mean of what the inside of a glass ball of radius one reflects of light from a concentric
-/// core: with s = sin^2 of the angle at the core the weight is uniform.
-fn inner_reflectance(n: f64, core: f64) -> f64 {
-    let steps = 100_000;
-    let at = |i: i32| fresnel(libm::asin(core * ((f64::from(i) + 0.5) / f64::from(steps)).sqrt()), 1.0 / n);
-    (0..steps).map(at).sum::<f64>() / f64::from(steps)
-}
-
-/// Radiance at impact parameter `b` of a glass ball of radius one around a core of radius one half that
-/// reflects `rho` and emits `le`, under a sky: the core has L = le + rho (n^2 (1 - R) sky + R L).
-fn with_core(b: f64, rho: f64, le: f64, sky: f64) -> f64 {
-    let n = 1.5;
-    let mean = inner_reflectance(n, 0.5);
-    let core = (le + rho * n * n * (1.0 - mean) * sky) / (1.0 - rho * mean);
-    let r = fresnel(libm::asin(b), n);
-    r * sky + (1.0 - r) * core / (n * n)
 }
 
 fn glowing(rho: f32, radiance: f32) -> MaterialKind {
@@ -96,7 +77,7 @@ fn core(what: &str, scene: Scene, b: f64, [expected, listed]: [f64; 2], effort: 
 
 pub(super) fn diffuse_cores(effort: Effort) -> Vec<Figure> {
     let seen = |what: &str, b: f64, rho: f32, listed: f64| {
-        let expected = with_core(b, f64::from(rho), 0.0, 1.0);
+        let expected = ball_with_core(b, 1.5, 0.5, f64::from(rho), 0.0, 1.0);
         core(what, ball(diffuse(rho), 1.0), b, [expected, listed], effort)
     };
     let mut figures = seen("O12 a", 0.0, 0.5, 0.509_263_144);
@@ -108,7 +89,7 @@ pub(super) fn diffuse_cores(effort: Effort) -> Vec<Figure> {
 
 pub(super) fn emissive_cores(effort: Effort) -> Vec<Figure> {
     let seen = |what: &str, b: f64, rho: f32, listed: f64| {
-        let expected = with_core(b, f64::from(rho), 1.0, 0.0);
+        let expected = ball_with_core(b, 1.5, 0.5, f64::from(rho), 1.0, 0.0);
         core(what, ball(glowing(rho, 1.0), 0.0), b, [expected, listed], effort)
     };
     let mut figures = seen("O12 d", 0.0, 0.0, 0.426_666_667);

@@ -3,6 +3,7 @@
 use crate::check::stage::seed;
 use crate::check::{Effort, Figure};
 use crate::sampling::{Address, Purpose};
+use crate::stats;
 
 /// Sequences whose squared errors are averaged.
 const SEQUENCES: u64 = 256;
@@ -37,9 +38,5 @@ fn slope(f: impl Fn(f64, f64) -> f64) -> f64 {
     };
     let points: Vec<(f64, f64)> =
         LOGS.iter().map(|&l| (f64::from(l) * std::f64::consts::LN_2, error(l))).collect();
-    let count = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(a, b), p| (a + p.0 / count, b + p.1 / count));
-    let (sxy, sxx) =
-        points.iter().fold((0.0, 0.0), |(a, b), p| (a + (p.0 - x) * (p.1 - y), b + (p.0 - x) * (p.0 - x)));
-    sxy / sxx
+    stats::slope(&points)
 }

@@ -4,7 +4,8 @@ use glam::{DMat3, DVec3, Vec3};
 
 use crate::accel::{Accel, Geometry, PrimitiveId, RayKind};
 use crate::check::random::Random;
-use crate::check::surfaces::{Departure, Plane, U, aimed, any_triangle, at, barycentric, largest, tilted};
+use crate::check::stage::U;
+use crate::check::surfaces::{Departure, Plane, aimed, any_triangle, at, barycentric, largest, tilted};
 use crate::check::{Effort, Figure};
 use crate::shape::triangle::Shear;
 

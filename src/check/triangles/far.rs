@@ -3,7 +3,8 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::check::random::Random;
-use crate::check::surfaces::{Departure, Plane, U, aimed, any_triangle, at, barycentric, largest, rotation};
+use crate::check::stage::U;
+use crate::check::surfaces::{Departure, Plane, aimed, any_triangle, at, barycentric, largest, rotation};
 use crate::check::{Effort, Figure};
 use crate::math::reflect;
 use crate::shape::Ray;

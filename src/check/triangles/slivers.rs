@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::check::random::Random;
-use crate::check::surfaces::{U, aimed, at, barycentric, rotation};
+use crate::check::stage::U;
+use crate::check::surfaces::{aimed, at, barycentric, rotation};
 use crate::check::{Effort, Figure};
 use crate::shape::Ray;
 use crate::shape::triangle::Shear;

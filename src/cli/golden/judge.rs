@@ -10,6 +10,7 @@ use crate::cli::console::Console;
 use crate::cli::failure::Failure;
 use crate::golden::{self, SIGNIFICANCE, Verification, VerifyOptions, Watch};
 use crate::output;
+use crate::stats;
 
 /// Verified scenes.
 pub(super) struct Judged {
@@ -36,7 +37,7 @@ pub(super) fn judge(
         }
     };
     // Each scene has its share, so that the whole keeps its promise.
-    let share = -libm::expm1(libm::log1p(-SIGNIFICANCE) / all.len().max(1) as f64);
+    let share = stats::sidak_each(SIGNIFICANCE, all.len());
     let options = VerifyOptions { runs: args.runs, fresh, significance: share, check_scene: !args.edited };
     let bar = Bar::new(all.len() as u32 * args.runs, console);
     let mut verifications = Vec::new();

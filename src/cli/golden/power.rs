@@ -11,6 +11,7 @@ use crate::cli::console::Console;
 use crate::cli::failure::Failure;
 use crate::cli::schema::to_json;
 use crate::golden::{self, Power, SIGNIFICANCE};
+use crate::stats;
 
 #[derive(Serialize)]
 struct Json {
@@ -35,7 +36,7 @@ struct NoticesJson {
 
 pub(super) fn run(args: &PowerArgs, console: &Console) -> Result<Code, Failure> {
     let all = files::guarded(&args.suite)?;
-    let share = -libm::expm1(libm::log1p(-SIGNIFICANCE) / all.len().max(1) as f64);
+    let share = stats::sidak_each(SIGNIFICANCE, all.len());
     let mut rows: Vec<(String, u32, Vec<Power>)> = Vec::new();
     for guarded in &all {
         let reference = guarded.reference()?;

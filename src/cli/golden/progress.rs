@@ -9,8 +9,8 @@ use crate::cli::console::Console;
 use crate::cli::failure::Failure;
 use crate::cli::signal::Stop;
 use crate::cli::units::show_time;
-use crate::golden::{RunError, Step};
-use crate::integrate::Control;
+use crate::golden::Step;
+use crate::integrate::{Control, RunError};
 
 /// A bar over all runs of all scenes.
 pub(super) struct Bar {

@@ -69,10 +69,9 @@ pub(super) fn record(
 }
 
 fn forecast_line(name: &str, [w, h]: [u32; 2], forecast: &Forecast) -> String {
-    let whole = forecast.power.iter().find(|p| p.statistic == "matched, luminance");
-    let notices = whole.map_or_else(String::new, |p| {
+    let notices = golden::notices(&forecast.power).map_or_else(String::new, |shift| {
         // Four runs, as `verify` takes, against one.
-        let four = p.shift * (0.25f64 + 1.0 / 64.0).sqrt() / (1.0f64 + 1.0 / 64.0).sqrt();
+        let four = shift * (0.25f64 + 1.0 / 64.0).sqrt() / (1.0f64 + 1.0 / 64.0).sqrt();
         format!(", notices {:.2} % more or less light (99 % sure)", 100.0 * four)
     });
     format!(

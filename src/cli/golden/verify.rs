@@ -14,6 +14,7 @@ use crate::cli::schema::to_json;
 use crate::cli::units::show_time;
 use crate::golden::{self, Verdict, Verification};
 use crate::output;
+use crate::report::probability;
 
 pub(super) fn run(args: &VerifyArgs, console: &Console) -> Result<Code, Failure> {
     for path in [&args.junit, &args.html].into_iter().flatten() {
@@ -82,7 +83,8 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
 /// A scene in one line; more where it did not pass.
 fn line(v: &Verification) -> String {
     let p = v.outcome.as_ref().map_or_else(|| "-".to_owned(), |o| probability(o.p));
-    let notices = notices(v).map_or_else(String::new, |s| format!("notices {:.2} %", 100.0 * s));
+    let notices =
+        golden::notices(&v.power).map_or_else(String::new, |s| format!("notices {:.2} %", 100.0 * s));
     let mut text =
         format!("{:<9} {:<18} p {p:<7} {notices:<15} {}", v.verdict.word(), v.name, show_time(v.seconds));
     for reason in v.reasons.iter().take(4) {
@@ -98,15 +100,6 @@ fn line(v: &Verification) -> String {
         text += &format!("\n          bless:  {}", v.bless);
     }
     text
-}
-
-/// The smallest change of all light that is noticed.
-fn notices(v: &Verification) -> Option<f64> {
-    v.power.iter().find(|p| p.statistic == "matched, luminance").map(|p| p.shift)
-}
-
-fn probability(p: f64) -> String {
-    if p < 5e-4 { format!("{p:.0e}") } else { format!("{p:.3}") }
 }
 
 fn summary(judged: &Judged) -> String {

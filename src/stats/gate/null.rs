@@ -3,7 +3,7 @@
 use statrs::distribution::{ContinuousCDF, Gamma};
 
 use super::{Family, Kind, Planes, Statistic};
-use crate::stats::{Moments, normal_quantile, sidak, student_two_sided, two_sided};
+use crate::stats::{Moments, normal_quantile, sidak, sidak_each, student_two_sided, two_sided};
 
 /// Fewest null runs: with 64 the deviation of a statistic is known to 9 %, and Student's t accounts for
 /// the rest.
@@ -224,15 +224,10 @@ impl Null {
         let shift = |(null, statistic): (&NullStatistic, &Statistic)| {
             // Undoes the two steps of sharing in `Outcome`.
             let n = if is_part(statistic) { parts } else { wholes };
-            null.smallest_shift(runs, unshared(unshared(significance, 2), n))
+            null.smallest_shift(runs, sidak_each(sidak_each(significance, 2), n))
         };
         self.statistics.iter().zip(&family.statistics).map(shift).collect()
     }
-}
-
-/// The p-value of one test whose [`sidak`] value over `n` is `p`.
-fn unshared(p: f64, n: usize) -> f64 {
-    -libm::expm1(libm::log1p(-p) / n.max(1) as f64)
 }
 
 impl NullStatistic {

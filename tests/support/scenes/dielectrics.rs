@@ -6,8 +6,8 @@ use epsilux::color::Rgb;
 use epsilux::glam::DVec3;
 use epsilux::scene::{LightKind, Scene};
 
-use super::super::closed_forms::{ball_deflection, ball_with_core, fresnel, slab_transmittance};
 use super::{Build, Case, absorber, diffuse, emitter, facing, glass, glowing, probe, sky};
+use epsilux::check::closed_forms::{ball_deflection, ball_with_core, fresnel, slab_transmittance};
 
 pub(super) fn cases() -> Vec<Case> {
     let brewster = libm::atan(1.5).to_degrees();

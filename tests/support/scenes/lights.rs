@@ -7,8 +7,8 @@ use epsilux::color::Rgb;
 use epsilux::glam::{DAffine3, DVec3};
 use epsilux::scene::{AreaShape, LightKind, Scene, SpotFalloff};
 
-use super::super::closed_forms::{disk_irradiance, polygon_irradiance, sphere_irradiance};
 use super::{Build, Case, absorber, diffuse, emitter, facing, look_at};
+use epsilux::check::closed_forms::{disk_irradiance, polygon_irradiance, sphere_irradiance};
 
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();

@@ -3,8 +3,8 @@
 use epsilux::glam::DVec3;
 use epsilux::scene::Scene;
 
-use super::super::closed_forms::{parallel_squares, perpendicular_squares, room_radiance, shell_radiance};
 use super::{Build, Case, diffuse, emitter, glowing, look_at, mirror, probe};
+use epsilux::check::closed_forms::{parallel_squares, perpendicular_squares, room_radiance, shell_radiance};
 
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = vec![room("O02", false, 0.5, None).listed(1.0)];
