@@ -144,15 +144,14 @@ impl Accel {
     #[inline]
     #[must_use]
     pub fn closest(&self, ray: &Ray, from: PrimitiveId, kind: RayKind) -> Option<Hit> {
-        simd::closest(self, ray, [from, PrimitiveId::NONE], kind == RayKind::Camera && self.any_hidden)
+        self.closest_between(ray, [from, PrimitiveId::NONE], kind)
     }
 
-    /// The first surface that `ray` meets, other than the two primitives of `between`; for rays that are
-    /// not the camera's.
+    /// The first surface that `ray` meets, other than the two primitives of `between`.
     #[inline]
     #[must_use]
-    pub fn closest_between(&self, ray: &Ray, between: [PrimitiveId; 2]) -> Option<Hit> {
-        simd::closest(self, ray, between, false)
+    pub fn closest_between(&self, ray: &Ray, between: [PrimitiveId; 2], kind: RayKind) -> Option<Hit> {
+        simd::closest(self, ray, between, kind == RayKind::Camera && self.any_hidden)
     }
 
     /// Whether anything but the two primitives of `between` is in the way before `ray.t_max`.

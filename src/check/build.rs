@@ -31,7 +31,7 @@ pub(super) fn mirror(color: f32) -> MaterialKind {
 }
 
 pub(super) fn glass(ior: f32) -> MaterialKind {
-    MaterialKind::Glass(Glass { ior, tint: Rgb::WHITE, absorption: None })
+    MaterialKind::Glass(Glass { ior, tint: Rgb::WHITE, absorption: None, priority: None })
 }
 
 /// Black, and emits from its front.

@@ -108,6 +108,19 @@ pub fn slab_transmittance(angle: f64, n: f64, plates: f64) -> f64 {
     (1.0 - r) / (1.0 + (2.0 * plates - 1.0) * r)
 }
 
+/// Transmittance of thick parallel layers with these indices, in vacuum, all interreflections included: what
+/// two interfaces let pass obeys 1/T - 1 = R1/(1-R1) + R2/(1-R2), and so do any number.
+#[must_use]
+pub fn layers_transmittance(angle: f64, indices: &[f64]) -> f64 {
+    let sin = libm::sin(angle);
+    let at = |i: usize| if i == 0 || i > indices.len() { 1.0 } else { indices[i - 1] };
+    let resistance = |i: usize| {
+        let r = fresnel(libm::asin(sin / at(i)), at(i + 1) / at(i));
+        r / (1.0 - r)
+    };
+    1.0 / (1.0 + (0..=indices.len()).map(resistance).sum::<f64>())
+}
+
 /// Deflection of a ray that passes a ball of radius one and index `n` at impact parameter `b`, radians.
 #[must_use]
 pub fn ball_deflection(b: f64, n: f64) -> f64 {

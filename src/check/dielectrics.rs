@@ -1,5 +1,6 @@
 //! Hard cases about dielectrics: Fresnel's equations, refraction, slabs, balls with a core, and what is inside.
 
+mod nested;
 mod scenes;
 
 use glam::{DVec3, Vec3};
@@ -52,6 +53,20 @@ pub(super) const CASES: &[Case] = &[
         class: Class::Statistical,
         guards: "Light that leaves glass loses the square of the index; a furnace would not notice.",
         run: scenes::emissive_cores,
+    },
+    Case {
+        id: "N35",
+        class: Class::Statistical,
+        guards: "A gap between two slabs reflects twice, however thin; slabs that touch or overlap under an order \
+                 of priorities are one.",
+        run: nested::slabs,
+    },
+    Case {
+        id: "N36",
+        class: Class::Statistical,
+        guards: "Water in glass reflects what the step of the index between them says, whether it touches the \
+                 glass or overlaps it, and absorbs where it is.",
+        run: nested::water_in_glass,
     },
     Case {
         id: "N37",

@@ -12,8 +12,8 @@ use crate::integrate::{Counters, Kernel, Quiet, RenderOptions, kernel, render};
 use crate::prepare::{EffectsMode, Options, Prepared, prepare};
 use crate::sampling::Address;
 use crate::scene::{
-    Camera, Environment, FovAxis, Glass, Lens, Material, MaterialId, MaterialKind, Mesh, MeshId, Object,
-    Projection, Scene, Shape, Sides, validate,
+    Absorption, Camera, Environment, FovAxis, Glass, Lens, Material, MaterialId, MaterialKind, Mesh, MeshId,
+    Object, Projection, Scene, Shape, Sides, validate,
 };
 use crate::shape::Ray;
 use crate::stats::{Moments, normal_quantile, student_two_sided};
@@ -42,7 +42,12 @@ pub(super) fn emitter(radiance: f32) -> MaterialKind {
 }
 
 pub(super) fn glass(ior: f32) -> MaterialKind {
-    MaterialKind::Glass(Glass { ior, tint: Rgb::WHITE, absorption: None })
+    MaterialKind::Glass(Glass { ior, tint: Rgb::WHITE, absorption: None, priority: None })
+}
+
+/// Glass that is there where nothing of a higher priority is.
+pub(super) fn body(ior: f32, priority: u8, absorption: Option<Absorption>) -> MaterialKind {
+    MaterialKind::Glass(Glass { ior, tint: Rgb::WHITE, absorption, priority: Some(priority) })
 }
 
 pub(super) fn sky(radiance: f32) -> Environment {
@@ -145,6 +150,12 @@ impl Stage {
             let kernel = kernel(&scene.plan);
             (scene, kernel)
         }))
+    }
+
+    /// The same, with the camera at `eye`, which decides what rays start in.
+    pub(super) fn seen_from(eye: DVec3, mut scene: Scene, id: &str) -> Self {
+        scene.cameras.insert(0, camera(DAffine3::from_translation(eye), 40.0, None));
+        Self::new(scene, id)
     }
 
     /// Green of one sample along a ray.

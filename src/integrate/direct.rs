@@ -2,12 +2,12 @@
 
 use super::li::{Counters, FAR_CAP, interior};
 use super::scatter;
-use crate::accel::PrimitiveId;
+use crate::accel::{PrimitiveId, RayKind};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
 use crate::light::{LightContext, LightSample};
 use crate::mutants::planted;
-use crate::prepare::{Detail, Effect, Effects, Prepared};
+use crate::prepare::{Detail, Effect, Effects, Medium, Prepared};
 use crate::shape::{Ray, offset_origin};
 
 /// The share of a sample found with density `own` where the other way would have found it with density
@@ -34,7 +34,7 @@ pub(super) fn direct_light<const FX: u32>(
     bsdf: &Bsdf,
     frame: &scatter::Frame,
     context: &LightContext,
-    media: [Option<u32>; 2],
+    media: [Medium; 2],
     u: [f32; 4],
     counters: &mut Counters,
 ) -> Rgb {
@@ -56,17 +56,17 @@ pub(super) fn direct_light<const FX: u32>(
         return Rgb::BLACK;
     }
     let between = [context.from, light.target];
+    let medium = media[usize::from(context.crosses(light.wi))];
     counters.rays += 1;
-    if const { Effects(FX).has(Effect::Cutouts) } && scene.has_cutouts() {
-        ld *= passed(scene, light.shadow_ray, between, counters);
-        if ld.is_black() {
-            return Rgb::BLACK;
-        }
-    } else if scene.accel.occluded(&light.shadow_ray, between) {
+    let fx = const { Effects(FX) };
+    if (fx.has(Effect::Cutouts) && scene.has_cutouts()) || (fx.has(Effect::Nesting) && scene.has_nesting()) {
+        return ld * passed(scene, light.shadow_ray, between, medium, counters);
+    }
+    if scene.accel.occluded(&light.shadow_ray, between) {
         return Rgb::BLACK;
     }
-    if const { Effects(FX).has(Effect::Absorption) }
-        && let Some(medium) = media[usize::from(context.crosses(light.wi))]
+    if fx.has(Effect::Absorption)
+        && let Some(medium) = medium.absorbs
     {
         ld *= interior(scene, medium, light.shadow_ray.t_max);
     }
@@ -93,27 +93,48 @@ fn emitted_share(scene: &Prepared, light: &LightSample) -> Rgb {
     texel * (there * material.emission_scale(&detail, light.cos))
 }
 
-/// The share of light that passes everything that is in the way of a shadow ray.
+/// The share of light that passes everything that is in the way of a shadow ray, which starts in `medium`.
 #[inline(never)]
-fn passed(scene: &Prepared, mut ray: Ray, between: [PrimitiveId; 2], counters: &mut Counters) -> f32 {
+fn passed(
+    scene: &Prepared,
+    mut ray: Ray,
+    between: [PrimitiveId; 2],
+    mut medium: Medium,
+    counters: &mut Counters,
+) -> Rgb {
     let [mut from, target] = between;
-    let mut share = 1.0;
+    let mut share = Rgb::WHITE;
+    // Absorption acts over a whole stretch of the same medium, so that what is passed on the way does not show.
+    let mut length = 0.0;
+    let absorbed =
+        |medium: Medium, length: f32| medium.absorbs.map_or(Rgb::WHITE, |m| interior(scene, m, length));
     for _ in 0..FAR_CAP {
-        let Some(hit) = scene.accel.closest_between(&ray, [from, target]).filter(|h| h.t < ray.t_max) else {
-            return share;
+        let hit = scene.accel.closest_between(&ray, [from, target], RayKind::Other);
+        let Some(hit) = hit.filter(|h| h.t < ray.t_max) else {
+            return share * absorbed(medium, length + ray.t_max);
         };
-        share *= 1.0 - scene.coverage(&hit);
-        if share <= 0.0 {
-            return 0.0;
-        }
         let surface = scene.surface(&ray, &hit, false);
+        let met = scene.meet(&surface, ray.d, medium);
+        if met.is_none_or(|m| m.interface.is_some()) {
+            share *= 1.0 - scene.coverage(&hit);
+            if share.is_black() {
+                return Rgb::BLACK;
+            }
+        }
+        length += hit.t;
+        if let Some(met) = met.filter(|m| m.beyond.absorbs != medium.absorbs) {
+            share *= absorbed(medium, length);
+            (medium, length) = (met.beyond, 0.0);
+        } else if let Some(met) = met {
+            medium = met.beyond;
+        }
         let o = offset_origin(surface.p, surface.p_err, surface.ng, ray.d);
         ray = Ray { o, t_max: ray.t_max - hit.t, ..ray };
         from = hit.id;
         counters.rays += 1;
     }
     counters.capped += 1;
-    0.0
+    Rgb::BLACK
 }
 
 #[cfg(test)]

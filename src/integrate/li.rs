@@ -17,13 +17,16 @@ use crate::color::Rgb;
 use crate::film::LightLayer;
 use crate::light::LightContext;
 use crate::mutants::planted;
-use crate::prepare::{Detail, Effect, Effects, Prepared, PreparedMaterial, Surface};
+use crate::prepare::{Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
 /// Scattering events, and surfaces passed, after which a path is cut although nothing asks for it. Only paths that lose
 /// nothing at all get here (a camera in a closed box of perfect mirrors); they are counted.
 pub(super) const FAR_CAP: u32 = 10_000;
+
+/// What a ray leaves that does not start on a surface.
+const NOWHERE: [PrimitiveId; 2] = [PrimitiveId::NONE; 2];
 
 /// What a path did, for reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,8 +49,8 @@ struct Sampled {
 /// A path on its way.
 struct PathState {
     ray: Ray,
-    /// The primitive that the ray leaves.
-    from: PrimitiveId,
+    /// The primitives that the ray leaves: that of a surface, and of another that lies on it.
+    from: [PrimitiveId; 2],
     /// Scattering events so far.
     depth: u32,
     /// Surfaces passed that were not there.
@@ -64,8 +67,8 @@ struct PathState {
     spread: bool,
     /// The last scattering event where it had a density; `None` after the camera and after delta lobes.
     sampled: Option<Sampled>,
-    /// Material whose interior the path is in.
-    medium: Option<u32>,
+    /// What the path is in.
+    medium: Medium,
     /// Product of eta^2: what refractions have taken from `beta` and will give back.
     eta_scale: f32,
 }
@@ -82,7 +85,7 @@ pub(super) fn li<const FX: u32>(
     ray: Ray,
     counters: &mut Counters,
 ) -> Rgb {
-    let mut path = PathState::new(ray);
+    let mut path = PathState::new(ray, scene.start);
     while let Next::Continue = step::<FX, false>(scene, &address, &mut path, counters) {}
     path.radiance
 }
@@ -94,22 +97,22 @@ pub(super) fn li_in_layers<const FX: u32>(
     ray: Ray,
     counters: &mut Counters,
 ) -> (Rgb, Layers) {
-    let mut path = PathState::new(ray);
+    let mut path = PathState::new(ray, scene.start);
     while let Next::Continue = step::<FX, true>(scene, &address, &mut path, counters) {}
     (path.radiance, path.layers)
 }
 
 impl PathState {
-    fn new(ray: Ray) -> Self {
+    fn new(ray: Ray, medium: Medium) -> Self {
         Self {
             ray,
-            from: PrimitiveId::NONE,
+            from: NOWHERE,
             depth: 0,
             passed: 0,
             beta: Rgb::WHITE,
             radiance: Rgb::BLACK,
             sampled: None,
-            medium: None,
+            medium,
             eta_scale: 1.0,
             layers: [Rgb::BLACK; LightLayer::ALL.len()],
             through: false,
@@ -161,7 +164,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     let fx = const { Effects(FX) };
     let kind = if path.depth == 0 { RayKind::Camera } else { RayKind::Other };
     counters.rays += 1;
-    let hit = scene.accel.closest(&path.ray, path.from, kind);
+    let hit = scene.accel.closest_between(&path.ray, path.from, kind);
     let t = hit.map_or(f32::INFINITY, |h| h.t);
 
     // Free lights on the way: they block nothing, so each is found where it stands.
@@ -170,7 +173,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     }
     // Absorption on the way.
     if fx.has(Effect::Absorption)
-        && let Some(medium) = path.medium
+        && let Some(medium) = path.medium.absorbs
     {
         path.beta *= interior(scene, medium, t);
     }
@@ -190,11 +193,20 @@ fn step<const FX: u32, const LAYERS: bool>(
 
     // What varies over the surface, and whether it is there at all.
     let material = scene.material_of(surface.object);
-    let prepared = &scene.materials[material as usize];
+    let mut prepared = &scene.materials[material as usize];
     let detail =
         if varies(fx) && prepared.detailed { scene.detail(surface.object, &hit) } else { Detail::NONE };
-    if fx.has(Effect::Cutouts) && !is_there(prepared, &detail, address, path.depth, path.passed) {
-        return pass(path, &surface, counters);
+    let mut there = !fx.has(Effect::Cutouts) || is_there(prepared, &detail, address, path.depth, path.passed);
+    let met = if fx.has(Effect::Nesting) { scene.meet(&surface, path.ray.d, path.medium) } else { None };
+    let leaving = [surface.id, met.map_or(PrimitiveId::NONE, |m| m.with)];
+    if let Some(met) = &met {
+        // Within a body that is there anyway, nothing begins or ends.
+        there &= met.interface.is_some();
+        prepared = met.interface.unwrap_or(prepared);
+    }
+    if !there {
+        path.medium = met.map_or(path.medium, |m| m.beyond);
+        return pass(path, &surface, leaving, counters);
     }
 
     // Emission met by chance: full weight after the camera and delta lobes, a share otherwise.
@@ -246,8 +258,11 @@ fn step<const FX: u32, const LAYERS: bool>(
         wo,
         transmits: bsdf.transmits(),
     };
-    let beyond =
-        if fx.has(Effect::Absorption) { medium_beyond(scene, path.medium, material, &context) } else { None };
+    let beyond = match met {
+        Some(met) => met.beyond,
+        None if fx.has(Effect::Absorption) => medium_beyond(scene, path.medium, material, &context),
+        None => path.medium,
+    };
     if !bsdf.is_delta() {
         let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
@@ -263,7 +278,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     };
     path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
     path.eta_scale *= sample.eta * sample.eta;
-    if fx.has(Effect::Absorption) && context.crosses(wi) {
+    if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
         path.medium = beyond;
     }
     if LAYERS {
@@ -272,7 +287,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     }
     path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
-    path.from = surface.id;
+    path.from = leaving;
     path.depth += 1;
 
     // Roulette on throughput, corrected for what refraction will give back.
@@ -306,7 +321,7 @@ fn is_there(
 }
 
 /// Straight on through a surface that is not there: nothing is counted but the surface.
-fn pass(path: &mut PathState, surface: &Surface, counters: &mut Counters) -> Next {
+fn pass(path: &mut PathState, surface: &Surface, leaving: [PrimitiveId; 2], counters: &mut Counters) -> Next {
     path.passed += 1;
     if path.passed >= FAR_CAP {
         counters.capped += 1;
@@ -314,7 +329,7 @@ fn pass(path: &mut PathState, surface: &Surface, counters: &mut Counters) -> Nex
     }
     let d = path.ray.d;
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, d), d);
-    path.from = surface.id;
+    path.from = leaving;
     Next::Continue
 }
 
@@ -337,37 +352,40 @@ fn mapped_normal(
 /// The first surface that a camera ray meets and that is there, as the path of the same address sees it,
 /// with its shading normal, its material and what the albedo feature shows.
 pub(super) fn first_surface(scene: &Prepared, address: &Address, ray: Ray) -> Option<(Surface, u32, Rgb)> {
-    let (mut ray, mut from) = (ray, PrimitiveId::NONE);
+    let (mut ray, mut from, mut medium) = (ray, NOWHERE, scene.start);
     for passed in 0..FAR_CAP {
-        let hit = scene.accel.closest(&ray, from, RayKind::Camera)?;
+        let hit = scene.accel.closest_between(&ray, from, RayKind::Camera)?;
         let mut surface = scene.surface(&ray, &hit, true);
         let material = scene.material_of(surface.object);
         let prepared = &scene.materials[material as usize];
         let detail = if prepared.detailed { scene.detail(surface.object, &hit) } else { Detail::NONE };
-        if is_there(prepared, &detail, address, 0, passed) {
+        let met = scene.meet(&surface, ray.d, medium);
+        if met.is_none_or(|m| m.interface.is_some()) && is_there(prepared, &detail, address, 0, passed) {
             surface.ns = mapped_normal(scene, prepared, &surface, &hit, &detail, -ray.d);
             let albedo = prepared.varying.as_ref().map_or(prepared.albedo, |v| v.albedo(&detail));
             return Some((surface, material, albedo));
         }
         ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, ray.d), ray.d);
-        from = surface.id;
+        from = [surface.id, met.map_or(PrimitiveId::NONE, |m| m.with)];
+        medium = met.map_or(medium, |m| m.beyond);
     }
     None
 }
 
 /// The medium on the other side of a surface of `material`, where that on the side of `wo` is `medium`:
-/// the interior from the front, nothing from the back, and the same where nothing is enclosed.
-fn medium_beyond(
-    scene: &Prepared,
-    medium: Option<u32>,
-    material: u32,
-    context: &LightContext,
-) -> Option<u32> {
+/// the interior from the front, what bodies around absorb from the back, and the same where nothing is
+/// enclosed.
+fn medium_beyond(scene: &Prepared, medium: Medium, material: u32, context: &LightContext) -> Medium {
     let m = &scene.materials[material as usize];
     if !m.encloses {
         return medium;
     }
-    (context.wo.dot(context.ng) > 0.0 && m.interior.is_some()).then_some(material)
+    let absorbs = if context.wo.dot(context.ng) > 0.0 {
+        m.interior.is_some().then_some(material)
+    } else {
+        scene.absorbs_around(medium.inside)
+    };
+    Medium { absorbs, ..medium }
 }
 
 /// Share of light that the interior of a material leaves after `length` metres.
@@ -389,7 +407,7 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
         };
         let mut beta = path.beta;
         if const { Effects(FX).has(Effect::Absorption) }
-            && let Some(medium) = path.medium
+            && let Some(medium) = path.medium.absorbs
         {
             beta *= interior(scene, medium, Vec3::distance(hit.p, path.ray.o));
         }

@@ -131,25 +131,31 @@ pub(super) fn pixels(scene: &Scene, image: ImageId) -> Arc<Pixels> {
     })
 }
 
-/// All materials of a scene.
-pub(super) fn compile(scene: &Scene, folded: &Folded<'_>) -> Vec<PreparedMaterial> {
-    let mut compiler = Compiler { scene, rows: Rows::default(), tables: AllTables::default() };
-    let compile = |(kind, uses): (&_, &_)| {
-        let m: PreparedMaterial = compiler.compile(kind, uses);
-        let detailed =
-            m.varying.is_some() || m.cutout.is_some() || m.normal.is_some() || m.emission.is_some();
-        PreparedMaterial { detailed, ..m }
-    };
-    folded.kinds.iter().map(AsRef::as_ref).zip(&folded.uses).map(compile).collect()
-}
-
-struct Compiler<'a> {
+/// Compiles materials, and keeps the tables that several of them read.
+pub(super) struct Compiler<'a> {
     scene: &'a Scene,
     rows: Rows,
     tables: AllTables,
 }
 
-impl Compiler<'_> {
+impl<'a> Compiler<'a> {
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        Self { scene, rows: Rows::default(), tables: AllTables::default() }
+    }
+
+    /// All materials of the scene.
+    pub(super) fn all(&mut self, folded: &Folded<'_>) -> Vec<PreparedMaterial> {
+        folded.kinds.iter().zip(&folded.uses).map(|(kind, uses)| self.material(kind, uses)).collect()
+    }
+
+    /// A material that has been folded.
+    pub(super) fn material(&mut self, kind: &MaterialKind, uses: &Uses) -> PreparedMaterial {
+        let m = self.compile(kind, uses);
+        let detailed =
+            m.varying.is_some() || m.cutout.is_some() || m.normal.is_some() || m.emission.is_some();
+        PreparedMaterial { detailed, ..m }
+    }
+
     fn compile(&mut self, kind: &MaterialKind, uses: &Uses) -> PreparedMaterial {
         let plain = |bsdf, albedo| PreparedMaterial {
             bsdf,

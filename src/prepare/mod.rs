@@ -17,8 +17,10 @@ mod geometry;
 mod glow;
 mod lights;
 mod material;
+mod nesting;
 mod normal;
 mod plan;
+mod start;
 mod surface;
 mod texture;
 mod varying;
@@ -26,6 +28,7 @@ mod varying;
 pub use camera::CameraRays;
 pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
+pub use nesting::{Inside, Medium};
 pub use plan::{Effect, Effects, KERNELS, KernelSet, Need, Plan, analyse};
 pub use surface::Surface;
 
@@ -108,6 +111,8 @@ pub struct Prepared {
     pub max_depth: Option<u32>,
     /// Whether the background counts as transparent.
     pub transparent: bool,
+    /// What the camera is in.
+    pub start: Medium,
     /// Format of radiance sums.
     pub radiance_format: FixedPoint,
     /// Format of length sums.
@@ -117,6 +122,8 @@ pub struct Prepared {
     /// Whether there is a surface that light may pass without being scattered.
     cutouts: bool,
     object_materials: Vec<u32>,
+    /// Where bodies have an order.
+    nesting: Option<nesting::Nesting>,
 }
 
 /// Replications of a picture of this many pixels: independent sequences whose means give the error.
@@ -144,7 +151,9 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
     };
     let plan = analyse(scene, camera, options);
     let folded = fold::fold(scene);
-    let materials = material::compile(scene, &folded);
+    let mut compiler = material::Compiler::new(scene);
+    let materials = compiler.all(&folded);
+    let nesting = nesting::Nesting::new(scene, &folded, &mut compiler);
     let flat = geometry::flatten(scene, &folded);
     let details = detail::Details::new(scene, &folded, &flat);
     let lights = lights::collect(scene, &folded, &flat, &details, &materials);
@@ -153,6 +162,7 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
         FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));
     let cutouts = scene.objects.iter().any(|o| materials[o.material.0 as usize].cutout.is_some());
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
+    let start = start::medium(scene, &materials, nesting.as_ref(), camera.transform.translation);
     Ok(Prepared {
         plan,
         accel,
@@ -163,12 +173,14 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
         seed: options.seed,
         max_depth: options.max_depth,
         transparent: options.transparent,
+        start,
         radiance_format,
         length_format: lengths,
         geometry: flat.attributes,
         details,
         cutouts,
         object_materials: scene.objects.iter().map(|o| o.material.0).collect(),
+        nesting,
     })
 }
 

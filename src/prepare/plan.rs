@@ -46,11 +46,13 @@ pub enum Effect {
     NormalMaps,
     /// Colours of vertices.
     VertexColors,
+    /// Bodies of which one is there where several are.
+    Nesting,
 }
 
 impl Effect {
     /// All of them, in report order.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::AreaLights,
         Self::FreeLights,
         Self::DeltaLights,
@@ -66,6 +68,7 @@ impl Effect {
         Self::Cutouts,
         Self::NormalMaps,
         Self::VertexColors,
+        Self::Nesting,
     ];
 
     /// What people call it.
@@ -87,6 +90,7 @@ impl Effect {
             Self::Cutouts => "cut-outs",
             Self::NormalMaps => "normal maps",
             Self::VertexColors => "vertex colours",
+            Self::Nesting => "nested bodies",
         }
     }
 
@@ -109,6 +113,7 @@ impl Effect {
             Self::Cutouts => "every surface is solid",
             Self::NormalMaps => "no material takes normals from a picture",
             Self::VertexColors => "no mesh has coloured vertices",
+            Self::Nesting => "no body has a priority",
         }
     }
 }
@@ -260,6 +265,9 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
         let colored = folded.uses[i].colored;
         for effect in material_needs(&folded.kinds[i], colored.is_some()) {
             needs.ask(effect, || format!("material \"{}\"", material.name));
+        }
+        if material.kind.body().is_some() {
+            needs.ask(Effect::Nesting, || format!("material \"{}\"", material.name));
         }
         if let Some(object) = colored {
             needs.ask(Effect::VertexColors, || format!("object \"{}\"", scene.objects[object].name));

@@ -203,6 +203,10 @@ pub(crate) struct GlassTable {
     pub(crate) tint: Option<[f64; 3]>,
     /// What the inside absorbs.
     pub(crate) absorption: Option<AbsorptionTable>,
+    /// Where bodies overlap or touch, the one of the highest priority is there, 0 to 255. Where left out,
+    /// the surface is an interface against whatever is outside.
+    #[schemars(with = "Option<u8>")]
+    pub(crate) priority: Option<f64>,
 }
 
 /// Absorption along the way.
@@ -239,6 +243,10 @@ pub(crate) struct PrincipledTable {
     pub(crate) thin: Option<bool>,
     /// What the inside absorbs.
     pub(crate) absorption: Option<AbsorptionTable>,
+    /// Where bodies overlap or touch, the one of the highest priority is there, 0 to 255. Where left out,
+    /// the surface is an interface against whatever is outside.
+    #[schemars(with = "Option<u8>")]
+    pub(crate) priority: Option<f64>,
     /// Emitted radiance on both sides, W sr^-1 m^-2.
     pub(crate) emission: Option<[f64; 3]>,
     /// Coverage, 0 to 1, where the alpha mode looks at it.

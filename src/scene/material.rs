@@ -57,6 +57,9 @@ pub struct Glass {
     pub tint: Rgb,
     /// What the inside absorbs.
     pub absorption: Option<Absorption>,
+    /// Which of the bodies that overlap or touch is there: see [`Body`]. None: an interface against
+    /// whatever is outside, as Blender has it.
+    pub priority: Option<u8>,
 }
 
 /// Absorption along the way through a medium, as Beer and Lambert have it.
@@ -98,6 +101,8 @@ pub struct Principled {
     pub thin: bool,
     /// What the inside absorbs.
     pub absorption: Option<Absorption>,
+    /// As [`Glass::priority`], where light is transmitted into a volume.
+    pub priority: Option<u8>,
     /// Emitted radiance on both sides, W sr^-1 m^-2, [0, inf).
     pub emission: Rgb,
     /// Coverage, [0, 1], where `alpha_mode` looks at it: the rest of the light passes straight through.
@@ -150,6 +155,7 @@ impl Default for Principled {
             transmission_tint: Rgb::WHITE,
             thin: false,
             absorption: None,
+            priority: None,
             emission: Rgb::BLACK,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
@@ -163,7 +169,40 @@ impl Default for Principled {
     }
 }
 
+/// The inside of surfaces whose material has a priority.
+///
+/// Where several such bodies overlap, the one of the highest priority is there, and of equal ones that whose
+/// material comes last in the scene; where there is none, there is vacuum, of index one. Surfaces within
+/// what is there anyway are not there, and the others are interfaces between what is there on both sides
+/// (C. M. Schmidt and B. Budge, "Simple Nested Dielectrics in Ray Traced Images", JGT 7(2), 2002). Bodies that
+/// touch have one interface, between the two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// The higher one is there.
+    pub priority: u8,
+    /// Index of refraction, of the inside itself, (0, inf).
+    pub ior: f32,
+    /// What the inside absorbs.
+    pub absorption: Option<Absorption>,
+}
+
+/// The largest number of materials with a [`Body`] in a scene.
+pub const MAX_BODIES: usize = 16;
+
 impl MaterialKind {
+    /// The body that surfaces of the material enclose, where they take part in the order of priorities.
+    #[must_use]
+    pub fn body(&self) -> Option<Body> {
+        let (priority, ior, absorption) = match self {
+            Self::Glass(g) => (g.priority?, g.ior, g.absorption),
+            Self::Principled(p) if !p.thin && p.transmission > 0.0 => (p.priority?, p.ior, p.absorption),
+            Self::Principled(_) | Self::Diffuse { .. } | Self::Mirror { .. } | Self::Light { .. } => {
+                return None;
+            }
+        };
+        Some(Body { priority, ior, absorption })
+    }
+
     /// Emitted radiance and the emitting sides, where the material emits at all.
     #[must_use]
     pub fn emission(&self) -> Option<(Rgb, Sides)> {

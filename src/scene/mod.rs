@@ -28,7 +28,9 @@ pub use defaults::{DEFAULT_CAMERA, DEFAULT_DOME, complete};
 pub use hash::sha256;
 pub use image::{Encoded, Image, ImageFormat, ImageId, Pixels, Texels};
 pub use light::{AreaShape, Environment, EnvironmentImage, Light, LightKind, SpotFalloff};
-pub use material::{Absorption, AlphaMode, Glass, Material, MaterialKind, Principled, Sides};
+pub use material::{
+    Absorption, AlphaMode, Body, Glass, MAX_BODIES, Material, MaterialKind, Principled, Sides,
+};
 pub use mesh::Mesh;
 pub use note::{Effect as NoteEffect, Note};
 pub use texture::{Channel, Filter, NormalTexture, ScalarTexture, Texture, Textures, Wrap};

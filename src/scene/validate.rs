@@ -13,8 +13,8 @@ use glam::{DAffine3, DVec3};
 use super::pictures;
 use super::repair::repair;
 use super::{
-    Absorption, Camera, Light, LightKind, Material, MaterialKind, Mesh, Note, Object, Principled, Projection,
-    Scene, Settings, Shape,
+    Absorption, Camera, Light, LightKind, MAX_BODIES, Material, MaterialKind, Mesh, Note, Object, Principled,
+    Projection, Scene, Settings, Shape,
 };
 use crate::color::Rgb;
 
@@ -57,6 +57,7 @@ pub fn validate(scene: &mut Scene) -> Result<Vec<Note>, SceneError> {
             pictures::emission(p, &scene.images, &format!("materials[{i}].principled"))?;
         }
     }
+    bodies(&scene.materials)?;
     let mut notes = Vec::new();
     for (i, mesh) in scene.meshes.iter_mut().enumerate() {
         let place = format!("meshes[{i}]");
@@ -186,6 +187,16 @@ fn principled(p: &Principled, images: usize, place: &str) -> Check {
     reflectance(format!("{place}.sheen_color"), p.sheen_color)?;
     fraction(format!("{place}.sheen_roughness"), p.sheen_roughness)?;
     pictures::textures(p, images, place)
+}
+
+/// A path counts the bodies that it is in, and has room for so many.
+fn bodies(materials: &[Material]) -> Check {
+    let with_body = materials.iter().enumerate().filter(|(_, m)| m.kind.body().is_some());
+    let Some((i, m)) = with_body.clone().nth(MAX_BODIES) else { return Ok(()) };
+    let key = if matches!(m.kind, MaterialKind::Glass(_)) { "glass" } else { "principled" };
+    let count = with_body.count();
+    let message = format!("{count} materials have a priority; at most {MAX_BODIES} can");
+    wrong(format!("materials[{i}].{key}.priority"), message)
 }
 
 fn absorption(a: Option<&Absorption>, place: &str) -> Check {

@@ -106,7 +106,7 @@ fn placed(scale: DVec3, turn: f64, at: DVec3) -> DAffine3 {
 
 fn tinted_glass(ior: f32, distance: f32) -> MaterialKind {
     let absorption = Some(Absorption { color: Rgb::new(0.8, 0.5, 0.3), distance });
-    MaterialKind::Glass(Glass { ior, tint: Rgb::new(0.7, 0.9, 1.0), absorption })
+    MaterialKind::Glass(Glass { ior, tint: Rgb::new(0.7, 0.9, 1.0), absorption, priority: None })
 }
 
 /// Materials, each on the ball of a stage.

@@ -141,5 +141,6 @@ pub(super) fn inside(effort: Effort) -> Vec<Figure> {
     let mut scene = bubble(0.0);
     sphere(&mut scene, DVec3::ZERO, 0.3, emitter(1.0));
     see("an emissive core in air in glass, through the middle", scene, at(0.0), 12.0 / 13.0);
+    figures.extend(super::nested::around_the_camera(effort));
     figures
 }

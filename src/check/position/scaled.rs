@@ -16,7 +16,7 @@ fn room(scale: f64, shift: DVec3, passes: u32) -> Option<Image> {
     let mut scene = Scene::default();
     let wall = material(&mut scene, MaterialKind::Diffuse { color: Rgb::new(0.7, 0.6, 0.5) });
     let mirror = material(&mut scene, MaterialKind::Mirror { color: Rgb::grey(0.9) });
-    let clear = Glass { ior: 1.5, tint: Rgb::WHITE, absorption: None };
+    let clear = Glass { ior: 1.5, tint: Rgb::WHITE, absorption: None, priority: None };
     let glass = material(&mut scene, MaterialKind::Glass(clear));
     let lights = [5.0, 3.0, 8.0].map(|radiance| material(&mut scene, lamp(radiance)));
     mesh(&mut scene, cube(at([0.0; 3]), 2.0 * scale), wall);

@@ -35,6 +35,7 @@ impl Document<'_> {
                     ior: Some(single(g.ior)),
                     tint: (g.tint != Rgb::WHITE).then(|| color(g.tint)),
                     absorption: g.absorption.as_ref().map(absorption),
+                    priority: g.priority.map(f64::from),
                 });
                 is_double = false;
                 Principled {
@@ -158,6 +159,7 @@ impl Document<'_> {
         read.thin = !is_solid && p.transmission > 0.0;
         read.absorption = p.absorption.filter(|a| is_solid && a.color != Rgb::WHITE);
         read.coat_ior = default.coat_ior;
+        read.priority = None;
         read
     }
 }
@@ -174,6 +176,7 @@ fn difference(p: &Principled, read: &Principled) -> PrincipledTable {
         thin: (p.thin != read.thin).then_some(p.thin),
         absorption: p.absorption.filter(|_| p.absorption != read.absorption).as_ref().map(absorption),
         emission: (p.emission != read.emission).then(|| color(p.emission)),
+        priority: p.priority.filter(|_| p.priority != read.priority).map(f64::from),
         coat_ior: (p.coat_ior != read.coat_ior).then(|| single(p.coat_ior)),
         ..PrincipledTable::default()
     }

@@ -52,7 +52,7 @@ impl Library<'_> {
             }
             MaterialKind::Principled(p) if p.transmission > 0.5 => {
                 let through = p.base_color;
-                self.glass(&Glass { ior: p.ior, tint: through, absorption: None });
+                self.glass(&Glass { ior: p.ior, tint: through, absorption: None, priority: None });
                 self.value("Pr", p.roughness);
                 false
             }
@@ -67,7 +67,11 @@ impl Library<'_> {
         self.value("Ni", glass.ior);
         self.line("Ns", "1000");
         self.line("illum", "7");
-        glass.absorption.is_none() && glass.ior > 1.0 && glass.ior <= MAX_IOR && !glass.tint.is_black()
+        glass.absorption.is_none()
+            && glass.priority.is_none()
+            && glass.ior > 1.0
+            && glass.ior <= MAX_IOR
+            && !glass.tint.is_black()
     }
 
     fn principled(&mut self, p: &Principled) -> bool {
@@ -187,6 +191,7 @@ fn is_exact(p: &Principled) -> bool {
         && p.transmission_tint == default.transmission_tint
         && p.thin == default.thin
         && p.absorption.is_none()
+        && p.priority.is_none()
         && p.coat_ior == default.coat_ior
         && p.sheen_roughness == default.sheen_roughness
         && sheen.min_channel() == sheen.max_channel()

@@ -181,7 +181,7 @@ impl Reader<'_, '_> {
         let tint = tf.filter(|_| passes).map_or(Rgb::WHITE, |tf| self.color("Tf", tf, 1.0));
         let roughness = self.number("Pr").unwrap_or(0.0);
         if roughness == 0.0 {
-            return Some(MaterialKind::Glass(Glass { ior, tint, absorption: None }));
+            return Some(MaterialKind::Glass(Glass { ior, tint, absorption: None, priority: None }));
         }
         Some(MaterialKind::Principled(Box::new(Principled {
             base_color: tint,

@@ -182,7 +182,7 @@ impl Shelf {
             None => vec![f64::from(p.roughness).max(LEAST)],
         };
         let (ior, brightest) = (f64::from(p.ior), f64::from(p.specular_color.max_channel()).max(1.0));
-        let largest = ((ior - 1.0) / (ior + 1.0)) * (f64::from(p.specular) * brightest).sqrt();
+        let largest = ((ior - 1.0) / (ior + 1.0)).abs() * (f64::from(p.specular) * brightest).sqrt();
         let largest = largest.min(0.99f64.sqrt());
         let varies = textures.specular.is_some() || textures.specular_color.is_some() && brightest > 1.0;
         let root = if varies { steps(1e-3 * largest, largest, 12) } else { vec![largest] };

@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::nesting::{Crossing, NEAR};
 use crate::scene::{Mesh, Scene, Shape};
 
 /// All surfaces of a scene, in the order of its objects, so that the first of two coincident surfaces wins.
@@ -74,6 +75,32 @@ pub(super) struct Hit {
     pub(super) weights: [f64; 3],
 }
 
+/// What a ray starts on: a primitive, and another that touches it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Source {
+    primitive: Option<Primitive>,
+    touching: Option<Primitive>,
+    /// Metres; nothing of the object that touches is met nearer than this.
+    near: f64,
+}
+
+/// An object around a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Around {
+    /// Index in the scene.
+    pub(super) material: usize,
+    /// Half the diagonal of its bounding box, metres.
+    pub(super) extent: f64,
+}
+
+impl Source {
+    /// What a ray starts on that goes on from a hit.
+    pub(super) fn of(hit: &Hit, crossing: Option<&Crossing>) -> Self {
+        let touching = crossing.and_then(|c| c.with);
+        Self { primitive: Some(hit.primitive), touching, near: NEAR * hit.point.abs().max_element() }
+    }
+}
+
 impl Geometry {
     /// Flattens a scene into world space. Objects that name no mesh or whose transform has no
     /// inverse, and triangles without area, are left out.
@@ -111,7 +138,7 @@ impl Geometry {
         o: DVec3,
         d: DVec3,
         limit: f64,
-        source: Option<Primitive>,
+        source: Source,
         from_camera: bool,
     ) -> Option<Hit> {
         let mut best: Option<Hit> = None;
@@ -120,23 +147,19 @@ impl Geometry {
                 continue;
             }
             let nearest = best.as_ref().map_or(limit, |hit| hit.t);
-            let starts_here = source.filter(|s| s.object == index);
+            let on = |p: Option<Primitive>| p.is_some_and(|p| p.object == index);
+            let least = if on(source.touching) { source.near } else { 0.0 };
             match &object.shape {
                 Solid::Sphere => {
-                    let t = sphere(o - object.center, d, object.radius, starts_here.is_some());
+                    let t = sphere(
+                        o - object.center,
+                        d,
+                        object.radius,
+                        on(source.primitive) || on(source.touching),
+                    );
                     let Some(t) = t.filter(|t| *t < nearest) else { continue };
                     let n = (o + t * d - object.center).normalize();
-                    best = Some(Hit {
-                        t,
-                        point: object.center + object.radius * n,
-                        ng: n,
-                        ns: n,
-                        material: object.material,
-                        primitive: Primitive { object: index, triangle: 0 },
-                        object: object.number,
-                        triangle: 0,
-                        weights: [1.0, 0.0, 0.0],
-                    });
+                    best = Some(object.hit_on_sphere(t, n, Primitive { object: index, triangle: 0 }));
                 }
                 Solid::Triangles(triangles) => {
                     if misses(o - object.center, d, object.radius) {
@@ -144,12 +167,12 @@ impl Geometry {
                     }
                     for (number, triangle) in triangles.iter().enumerate() {
                         let primitive = Primitive { object: index, triangle: number };
-                        if source == Some(primitive) {
+                        if source.primitive == Some(primitive) {
                             continue;
                         }
                         let nearest = best.as_ref().map_or(limit, |hit| hit.t);
                         let Some((t, weights)) = triangle.intersect(o, d) else { continue };
-                        if t < nearest {
+                        if t < nearest && t > least {
                             best = Some(Hit {
                                 object: object.number,
                                 ..triangle.hit(t, weights, object.material, primitive)
@@ -160,6 +183,87 @@ impl Geometry {
             }
         }
         best
+    }
+
+    /// A surface of another object that lies on that of a hit along `d`, parallel to it; of an object whose
+    /// material `counts`.
+    pub(super) fn touching(&self, hit: &Hit, d: DVec3, counts: &dyn Fn(usize) -> bool) -> Option<Hit> {
+        let near = NEAR * hit.point.abs().max_element() / hit.ng.dot(d).abs();
+        if !near.is_finite() {
+            return None;
+        }
+        // From a little before the hit to a little behind.
+        let o = hit.point - near * d;
+        let others = self.objects.iter().enumerate();
+        let others = others.filter(|(i, object)| *i != hit.primitive.object && counts(object.material));
+        others
+            .filter_map(|(index, object)| object.first(index, o, d, 2.0 * near))
+            .find(|other| other.ng.dot(hit.ng).abs() > 0.999)
+    }
+
+    /// The objects around a point, of those whose material `counts`: a ray leaves them once more often than it
+    /// enters them.
+    pub(super) fn around(&self, p: DVec3, counts: &dyn Fn(usize) -> bool) -> Vec<Around> {
+        // Any direction would do that meets no edge.
+        let d = DVec3::new(0.531_867, 0.709_203, 0.462_911).normalize();
+        let contains = |object: &Object| match &object.shape {
+            Solid::Sphere => p.distance(object.center) < object.radius,
+            Solid::Triangles(triangles) => {
+                let met = triangles.iter().filter(|t| t.intersect(p, d).is_some());
+                met.map(|t| if t.ng.dot(d) > 0.0 { 1 } else { -1 }).sum::<i32>() > 0
+            }
+        };
+        let objects = self.objects.iter().filter(|o| counts(o.material) && contains(o));
+        objects.map(|o| Around { material: o.material, extent: o.extent() }).collect()
+    }
+}
+
+impl Object {
+    /// The first hit of the ray from `o` along the unit vector `d`, nearer than `limit`; of object `index`.
+    fn first(&self, index: usize, o: DVec3, d: DVec3, limit: f64) -> Option<Hit> {
+        let alone = |number: usize| Primitive { object: index, triangle: number };
+        match &self.shape {
+            Solid::Sphere => {
+                let t = sphere(o - self.center, d, self.radius, false).filter(|t| *t < limit)?;
+                let n = (o + t * d - self.center).normalize();
+                Some(self.hit_on_sphere(t, n, alone(0)))
+            }
+            Solid::Triangles(triangles) => {
+                let hits = triangles.iter().enumerate().filter_map(|(number, triangle)| {
+                    let (t, weights) = triangle.intersect(o, d).filter(|(t, _)| *t < limit)?;
+                    Some(Hit {
+                        object: self.number,
+                        ..triangle.hit(t, weights, self.material, alone(number))
+                    })
+                });
+                hits.min_by(|a, b| a.t.total_cmp(&b.t))
+            }
+        }
+    }
+
+    fn hit_on_sphere(&self, t: f64, n: DVec3, primitive: Primitive) -> Hit {
+        Hit {
+            t,
+            point: self.center + self.radius * n,
+            ng: n,
+            ns: n,
+            material: self.material,
+            primitive,
+            object: self.number,
+            triangle: 0,
+            weights: [1.0, 0.0, 0.0],
+        }
+    }
+
+    /// Half the diagonal of its bounding box, metres.
+    fn extent(&self) -> f64 {
+        match &self.shape {
+            Solid::Sphere => self.radius * libm::sqrt(3.0),
+            Solid::Triangles(triangles) => {
+                let (low, high) = bounds(triangles);
+                0.5 * low.distance(high)
+            }
+        }
     }
 }
 
@@ -185,12 +289,19 @@ fn flatten(mesh: &Mesh, place: impl Fn(glam::Vec3) -> DVec3, matrix: DMat3) -> V
 
 /// A sphere around all corners: centre of the bounding box, farthest corner, and a little more.
 fn bounding_sphere(triangles: &[Triangle]) -> (DVec3, f64) {
-    let corners = || triangles.iter().flat_map(|t| [t.corner, t.corner + t.edges[0], t.corner + t.edges[1]]);
-    let low = corners().fold(DVec3::INFINITY, DVec3::min);
-    let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let (low, high) = bounds(triangles);
     let center = 0.5 * (low + high);
-    let radius = corners().fold(0.0, |r: f64, p| r.max(p.distance(center)));
+    let radius = corners(triangles).fold(0.0, |r: f64, p| r.max(p.distance(center)));
     (center, radius * (1.0 + 1e-6))
+}
+
+fn corners(triangles: &[Triangle]) -> impl Iterator<Item = DVec3> {
+    triangles.iter().flat_map(|t| [t.corner, t.corner + t.edges[0], t.corner + t.edges[1]])
+}
+
+fn bounds(triangles: &[Triangle]) -> (DVec3, DVec3) {
+    corners(triangles)
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }
 
 /// Whether the ray surely misses the sphere of `radius`, whose centre the ray starts `o` away from.

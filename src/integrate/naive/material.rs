@@ -145,12 +145,29 @@ impl Surface {
         }
     }
 
-    /// The medium of the segment along `wi`, where that before the vertex was `medium`.
-    pub(super) fn medium_beyond(&self, vertex: &Vertex, wi: DVec3, medium: Option<Medium>) -> Option<Medium> {
+    /// Whether transmission leads into or out of a volume.
+    pub(super) fn encloses(&self) -> bool {
+        self.encloses
+    }
+
+    /// What the volume absorbs.
+    pub(super) fn absorption(&self) -> Option<Medium> {
+        self.absorption
+    }
+
+    /// The medium of the segment along `wi`, where that before the vertex was `medium`, and `around` is what
+    /// the volume lies in.
+    pub(super) fn medium_beyond(
+        &self,
+        vertex: &Vertex,
+        wi: DVec3,
+        medium: Option<Medium>,
+        around: Option<Medium>,
+    ) -> Option<Medium> {
         if !self.encloses || vertex.way(wi) != Some(Way::Transmitted) {
             return medium;
         }
-        if vertex.front { self.absorption } else { None }
+        if vertex.front { self.absorption } else { around }
     }
 
     /// The BSDF's value without its delta lobes, sr^-1, cosine not included.

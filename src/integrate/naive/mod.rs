@@ -27,9 +27,15 @@
 //!
 //! *Emission*: [`crate::scene::MaterialKind::emission`], below coat and sheen; a `Light` reflects nothing.
 //!
-//! *Media.* A path starts in none. Refraction from the front to the back of a surface enters its
-//! absorption, refraction to the front leaves into none. Each segment, shadow rays included, multiplies
-//! by color^(length/distance).
+//! *Media.* A path starts in what is at the camera's position: what the innermost object around it encloses.
+//! Refraction from the front to the back of a surface enters its absorption, refraction to the front leaves
+//! into none. Each segment, shadow rays included, multiplies by color^(length/distance).
+//!
+//! *Bodies.* Surfaces whose material has a priority follow [`crate::scene::Body`]: where the same body is there
+//! on both sides, a path goes straight on, no event counted, and shadow rays pass; else the surface has the
+//! index of what is behind its front over that before it. Leaving a surface without a priority leads into
+//! what bodies are around. A surface of another body within 1e-6 of the coordinates and parallel is crossed
+//! with it. Where alpha lets a path pass a surface of a body, it is in what is behind.
 //!
 //! *Textures and vertex colours* are interpolated with the weights of a triangle's corners; `texture.rs` says
 //! how pictures are read, `varying.rs` what they multiply. Where a mesh has no texture coordinates, and on
@@ -58,6 +64,7 @@ mod light;
 mod material;
 mod medium;
 mod microfacet;
+mod nesting;
 mod path;
 mod principled;
 mod quadrature;
@@ -75,6 +82,7 @@ use rayon::prelude::*;
 use crate::color::Rgb;
 use crate::film::Image;
 use crate::scene::{Camera, Scene};
+use nesting::Place;
 use path::Moments;
 use rng::Rng;
 
@@ -151,12 +159,14 @@ pub fn reference(
     }
 
     let tracer = Tracer::new(scene);
+    let start = tracer.place(camera.transform.translation);
     let done = AtomicU32::new(0);
     let row = |y: u32| -> Vec<Moments> {
         if cancelled() {
             return vec![Moments::default(); width as usize];
         }
-        let pixels = (left..left + width).map(|x| pixel(&tracer, camera, options, [x, top + y])).collect();
+        let pixels =
+            (left..left + width).map(|x| pixel(&tracer, &start, camera, options, [x, top + y])).collect();
         progress(f64::from(done.fetch_add(1, Ordering::Relaxed) + 1) / f64::from(height));
         pixels
     };
@@ -177,13 +187,19 @@ pub fn reference(
     })
 }
 
-fn pixel(tracer: &Tracer, camera: &Camera, options: &ReferenceOptions, at: [u32; 2]) -> Moments {
+fn pixel(
+    tracer: &Tracer,
+    start: &Place,
+    camera: &Camera,
+    options: &ReferenceOptions,
+    at: [u32; 2],
+) -> Moments {
     let address = u64::from(at[1]) * u64::from(options.size[0]) + u64::from(at[0]);
     let mut moments = Moments::default();
     for sample in 0..options.spp {
         let mut rng = Rng::new(options.seed, address, u64::from(sample));
         let ray = camera::camera_ray(camera, options.size, at, &mut rng);
-        moments.add(tracer.radiance(ray, options.max_depth, &mut rng));
+        moments.add(tracer.radiance(ray, start, options.max_depth, &mut rng));
     }
     moments
 }

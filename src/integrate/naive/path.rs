@@ -6,10 +6,11 @@ use glam::DVec3;
 
 use super::albedo::Curves;
 use super::detail::Details;
-use super::geometry::{Geometry, Hit, Primitive};
+use super::geometry::{Geometry, Hit, Source};
 use super::light::Lights;
-use super::material::{Surface, Vertex};
-use super::medium::{Medium, transmittance};
+use super::material::{Surface, Vertex, Way};
+use super::medium::transmittance;
+use super::nesting::{Nesting, Place};
 use super::rng::Rng;
 use super::varying::Varying;
 use crate::scene::{Scene, Shape};
@@ -50,6 +51,7 @@ pub struct Tracer {
     details: Details,
     /// For each material that differs from point to point.
     varying: Vec<Option<Varying>>,
+    nesting: Nesting,
 }
 
 impl Ray {
@@ -72,6 +74,7 @@ impl Tracer {
                 colored[object.material.0 as usize] |= !scene.meshes[id.0 as usize].colors.is_empty();
             }
         }
+        let nesting = Nesting::new(scene, &colored, &mut curve);
         let varying = scene.materials.iter().zip(colored);
         Self {
             details: Details::new(scene),
@@ -79,16 +82,23 @@ impl Tracer {
             geometry: Geometry::new(scene),
             lights: Lights::new(scene),
             surfaces: scene.materials.iter().map(|m| Surface::new(&m.kind, &mut curve)).collect(),
+            nesting,
         }
+    }
+
+    /// What is at a point, world space.
+    pub(super) fn place(&self, p: DVec3) -> Place {
+        self.nesting.at(p, &self.geometry, &self.surfaces)
     }
 
     /// Radiance that arrives at the origin of `ray`, a camera ray, against its direction: the mean of
     /// `samples` independent paths, a pure function of the arguments.
     #[must_use]
     pub fn estimate(&self, ray: Ray, max_depth: Option<u32>, samples: u64, seed: u64) -> Estimate {
+        let start = self.place(ray.origin);
         let mut moments = Moments::default();
         for sample in 0..samples {
-            moments.add(self.radiance(ray, max_depth, &mut Rng::new(seed, 0, sample)));
+            moments.add(self.radiance(ray, &start, max_depth, &mut Rng::new(seed, 0, sample)));
         }
         let error = moments.variance_of_mean();
         Estimate {
@@ -98,43 +108,60 @@ impl Tracer {
         }
     }
 
-    /// Radiance of one path, followed from `ray` depth first.
-    pub(super) fn radiance(&self, ray: Ray, max_depth: Option<u32>, rng: &mut Rng) -> DVec3 {
+    /// Radiance of one path, followed from `ray`, which begins in `start`, depth first.
+    pub(super) fn radiance(&self, ray: Ray, start: &Place, max_depth: Option<u32>, rng: &mut Rng) -> DVec3 {
         let max_depth = max_depth.unwrap_or(DEPTH_CAP);
         let mut radiance = DVec3::ZERO;
         let mut beta = DVec3::ONE;
-        let mut medium: Option<Medium> = None;
-        let mut source: Option<Primitive> = None;
+        let mut place = start.clone();
+        let mut source = Source::default();
         let (mut o, mut d) = (ray.origin, ray.direction);
 
         for depth in 0..=max_depth {
             // Segments up to a surface that is there: the lights they cross, what lies behind everything.
             let mut passed = 0;
-            let (hit, surface, vertex) = loop {
+            let (hit, surface, vertex, crossing) = loop {
                 let hit = self.geometry.closest(o, d, f64::INFINITY, source, depth == 0);
                 let length = hit.map_or(f64::INFINITY, |hit| hit.t);
-                radiance += beta * self.lights.along(o, d, length, depth == 0, medium);
+                radiance += beta * self.lights.along(o, d, length, depth == 0, place.medium);
                 let Some(hit) = hit else { return radiance };
-                beta *= transmittance(medium, length);
+                beta *= transmittance(place.medium, length);
                 let Some(surface) = self.surfaces.get(hit.material) else { return radiance };
                 let vertex = Vertex::new(hit.ng, hit.ns, -d);
-                let Some(varying) = &self.varying[hit.material] else {
-                    break (hit, Cow::Borrowed(surface), vertex);
+                let crossing = self.nesting.meet(&self.geometry, &hit, d, &place);
+                let interface = match &crossing {
+                    None => Some((Cow::Borrowed(surface), self.varying[hit.material].as_ref())),
+                    Some(crossing) => crossing.interface.and_then(|key| self.nesting.interface(key)),
                 };
-                let detail = self.details.at(&hit);
-                let coverage = varying.coverage(&detail);
-                if coverage == 1.0 || (coverage > 0.0 && rng.uniform() < coverage) {
-                    let mapped = varying.normal(&detail);
-                    let mapped = mapped.and_then(|(set, map)| self.details.normal(&hit, set, map));
-                    let vertex = mapped.map_or(vertex, |n| vertex.mapped(n));
-                    break (hit, Cow::Owned(varying.at(&detail)), vertex);
+                if let Some((surface, varying)) = interface {
+                    let Some(varying) = varying else { break (hit, surface, vertex, crossing) };
+                    let detail = self.details.at(&hit);
+                    let coverage = varying.coverage(&detail);
+                    if coverage == 1.0 || (coverage > 0.0 && rng.uniform() < coverage) {
+                        let mapped = varying.normal(&detail);
+                        let mapped = mapped.and_then(|(set, map)| self.details.normal(&hit, set, map));
+                        let vertex = mapped.map_or(vertex, |n| vertex.mapped(n));
+                        break (hit, Cow::Owned(varying.at(&detail)), vertex, crossing);
+                    }
                 }
                 passed += 1;
                 if passed == PASS_CAP {
                     return radiance;
                 }
-                source = Some(hit.primitive);
+                source = Source::of(&hit, crossing.as_ref());
+                if let Some(crossing) = crossing {
+                    place = crossing.beyond;
+                }
                 o = hit.point;
+            };
+            let beyond = |wi: DVec3| match &crossing {
+                Some(crossing) if vertex.way(wi) == Some(Way::Transmitted) => crossing.beyond.clone(),
+                Some(_) => place.clone(),
+                None => {
+                    let medium =
+                        surface.medium_beyond(&vertex, wi, place.medium, self.nesting.medium_around(&place));
+                    place.with(medium)
+                }
             };
 
             // Emission of the surface.
@@ -147,13 +174,11 @@ impl Tracer {
             for light in &self.lights.delta {
                 let Some(arrival) = light.arrive(hit.point) else { continue };
                 let f = surface.f(&vertex, arrival.wi);
-                let share =
-                    if f == DVec3::ZERO { 0.0 } else { self.passes(&hit, arrival.wi, arrival.distance) };
-                if share > 0.0 {
-                    let within = surface.medium_beyond(&vertex, arrival.wi, medium);
+                if f != DVec3::ZERO {
+                    let source = Source::of(&hit, crossing.as_ref());
+                    let share = self.passes(&hit, source, beyond(arrival.wi), arrival.wi, arrival.distance);
                     let cos = vertex.ns.dot(arrival.wi).abs();
-                    let arriving = share * arrival.irradiance * transmittance(within, arrival.distance);
-                    radiance += beta * f * cos * arriving;
+                    radiance += beta * f * cos * share * arrival.irradiance;
                 }
             }
 
@@ -163,27 +188,38 @@ impl Tracer {
             if beta == DVec3::ZERO {
                 break;
             }
-            medium = surface.medium_beyond(&vertex, next.wi, medium);
-            source = Some(hit.primitive);
+            place = beyond(next.wi);
+            source = Source::of(&hit, crossing.as_ref());
             (o, d) = (hit.point, next.wi);
         }
         radiance
     }
 
-    /// Share of light that comes to a hit along `wi` from `distance` away: what surfaces in between leave.
-    fn passes(&self, hit: &Hit, wi: DVec3, distance: f64) -> f64 {
-        let (mut share, mut left) = (1.0, distance);
-        let (mut o, mut source) = (hit.point, hit.primitive);
+    /// Share of light that comes to a hit along `wi` from `distance` away: what surfaces and media in between
+    /// leave. The way begins in `place`.
+    fn passes(&self, hit: &Hit, mut source: Source, mut place: Place, wi: DVec3, distance: f64) -> DVec3 {
+        let (mut share, mut left) = (DVec3::ONE, distance);
+        let mut o = hit.point;
         for _ in 0..PASS_CAP {
-            let Some(next) = self.geometry.closest(o, wi, left, Some(source), false) else { return share };
-            let varying = self.varying[next.material].as_ref();
-            share *= 1.0 - varying.map_or(1.0, |v| v.coverage(&self.details.at(&next)));
-            if share <= 0.0 {
-                return 0.0;
+            let Some(next) = self.geometry.closest(o, wi, left, source, false) else {
+                return share * transmittance(place.medium, left);
+            };
+            share *= transmittance(place.medium, next.t);
+            let crossing = self.nesting.meet(&self.geometry, &next, wi, &place);
+            if crossing.as_ref().is_none_or(|c| c.interface.is_some()) {
+                let varying = self.varying[next.material].as_ref();
+                share *= 1.0 - varying.map_or(1.0, |v| v.coverage(&self.details.at(&next)));
+                if share == DVec3::ZERO {
+                    return share;
+                }
             }
-            (o, source, left) = (next.point, next.primitive, left - next.t);
+            (o, left) = (next.point, left - next.t);
+            source = Source::of(&next, crossing.as_ref());
+            if let Some(crossing) = crossing {
+                place = crossing.beyond;
+            }
         }
-        0.0
+        DVec3::ZERO
     }
 }
 

@@ -368,6 +368,7 @@ fn glass_of(g: &GlassTable) -> Glass {
         ior: g.ior.unwrap_or(1.5),
         tint: g.tint.map_or(Rgb::WHITE, |c| c.0),
         absorption: g.absorption.as_ref().map(absorption_of),
+        priority: g.priority,
     }
 }
 
@@ -388,6 +389,7 @@ fn principled(p: &PrincipledTable, pictures: &mut Pictures, place: &Place) -> Re
         transmission_tint: p.transmission_tint.map_or(default.transmission_tint, |c| c.0),
         thin: p.thin.unwrap_or(default.thin),
         absorption: p.absorption.as_ref().map(absorption_of),
+        priority: p.priority,
         emission: p.emission.map_or(default.emission, |c| c.0),
         alpha: p.alpha.unwrap_or(default.alpha),
         alpha_mode: texture::alpha_mode(p, place)?,

@@ -190,6 +190,9 @@ pub(super) struct GlassTable {
     pub(super) tint: Option<Color>,
     /// What the inside absorbs.
     pub(super) absorption: Option<AbsorptionTable>,
+    /// Where bodies overlap or touch, the one of the highest priority is there, 0 to 255. Where left out,
+    /// the surface is an interface against whatever is outside, as in Blender.
+    pub(super) priority: Option<u8>,
 }
 
 /// Absorption along the way.
@@ -227,6 +230,9 @@ pub(super) struct PrincipledTable {
     pub(super) thin: Option<bool>,
     /// What the inside absorbs.
     pub(super) absorption: Option<AbsorptionTable>,
+    /// Where bodies overlap or touch, the one of the highest priority is there, 0 to 255. Where left out,
+    /// the surface is an interface against whatever is outside, as in Blender.
+    pub(super) priority: Option<u8>,
     /// Emitted radiance; black where left out.
     pub(super) emission: Option<Color>,
     /// How much of the surface is there, 0 to 1; 1 where left out.

@@ -191,7 +191,7 @@ fn the_hexroom_has_the_numbers_of_the_comparison() {
     for (name, tint) in
         [("clear", [1.0, 1.0, 1.0]), ("lightblue", [0.70, 0.82, 1.0]), ("purple", [0.80, 0.35, 0.90])]
     {
-        let glass = crate::scene::Glass { ior: 1.5, tint: tint.into(), absorption: None };
+        let glass = crate::scene::Glass { ior: 1.5, tint: tint.into(), absorption: None, priority: None };
         check_material(&scene, name, &MaterialKind::Glass(glass));
     }
     // The corner of the left box at its -x, -y, +z end: turned by 0.3 radians about the up axis.

@@ -138,6 +138,10 @@ fn absorption() -> BoxedStrategy<Option<Absorption>> {
     option::of((rgb(channel), size()).prop_map(|(color, d)| Absorption { color, distance: d as f32 })).boxed()
 }
 
+fn priority() -> BoxedStrategy<Option<u8>> {
+    option::of(any::<u8>()).boxed()
+}
+
 /// Boxed, as are the other large ones: nested in each other they would overflow a test's stack.
 fn texture() -> BoxedStrategy<Texture> {
     let wrap = prop::sample::select(vec![Wrap::Repeat, Wrap::Mirror, Wrap::Clamp]);
@@ -220,7 +224,7 @@ fn material_kind() -> BoxedStrategy<MaterialKind> {
     ];
     let principled = (
         (reflectance(), unit_single(), unit_single(), 1.0..3.0f32, unit_single()),
-        (rgb(0.0..9.0f32), unit_single(), reflectance(), any::<bool>(), absorption(), radiance()),
+        (rgb(0.0..9.0f32), unit_single(), reflectance(), any::<bool>(), absorption(), priority(), radiance()),
         (unit_single(), alpha_mode, unit_single(), unit_single(), 1.0..3.0f32, reflectance(), unit_single()),
         textures(),
     )
@@ -236,7 +240,8 @@ fn material_kind() -> BoxedStrategy<MaterialKind> {
                 transmission_tint: b.2,
                 thin: b.3,
                 absorption: b.4,
-                emission: b.5,
+                priority: b.5,
+                emission: b.6,
                 alpha: c.0,
                 alpha_mode: c.1,
                 coat: c.2,
@@ -250,8 +255,14 @@ fn material_kind() -> BoxedStrategy<MaterialKind> {
     prop_oneof![
         reflectance().prop_map(|color| MaterialKind::Diffuse { color }),
         reflectance().prop_map(|color| MaterialKind::Mirror { color }),
-        (0.1..3.0f32, reflectance(), absorption())
-            .prop_map(|(ior, tint, absorption)| MaterialKind::Glass(Glass { ior, tint, absorption })),
+        (0.1..3.0f32, reflectance(), absorption(), priority()).prop_map(
+            |(ior, tint, absorption, priority)| MaterialKind::Glass(Glass {
+                ior,
+                tint,
+                absorption,
+                priority
+            })
+        ),
         (radiance(), sides).prop_map(|(radiance, sides)| MaterialKind::Light { radiance, sides }),
         principled,
         Just(MaterialKind::Principled(Box::default())),

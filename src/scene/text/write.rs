@@ -247,7 +247,8 @@ fn material(m: &Material, images: &[String]) -> Node {
             let glass = Keys::default()
                 .put("ior", g.ior)
                 .unless("tint", g.tint, Rgb::WHITE)
-                .some("absorption", g.absorption.as_ref());
+                .some("absorption", g.absorption.as_ref())
+                .some("priority", g.priority.map(u32::from));
             keys.put("glass", glass)
         }
         MaterialKind::Principled(p) => keys.put("principled", principled(p, images)),
@@ -331,6 +332,7 @@ fn principled(p: &Principled, images: &[String]) -> Keys {
         .unless("transmission_tint", p.transmission_tint, default.transmission_tint)
         .unless("thin", p.thin, default.thin)
         .some("absorption", p.absorption.as_ref())
+        .some("priority", p.priority.map(u32::from))
         .unless("emission", p.emission, default.emission)
         .unless("alpha", p.alpha, default.alpha)
         .some("alpha_mode", (alpha || mode != AlphaWord::Opaque).then(|| mode.word()))

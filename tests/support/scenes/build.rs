@@ -32,13 +32,13 @@ pub(crate) fn emitter(radiance: f32) -> MaterialKind {
 }
 
 pub(crate) fn glass(ior: f32) -> MaterialKind {
-    MaterialKind::Glass(Glass { ior, tint: Rgb::WHITE, absorption: None })
+    MaterialKind::Glass(Glass { ior, tint: Rgb::WHITE, absorption: None, priority: None })
 }
 
 /// A glass that only absorbs.
 pub(crate) fn absorber(color: f32, distance: f32) -> MaterialKind {
     let absorption = Some(Absorption { color: Rgb::grey(color), distance });
-    MaterialKind::Glass(Glass { ior: 1.0, tint: Rgb::WHITE, absorption })
+    MaterialKind::Glass(Glass { ior: 1.0, tint: Rgb::WHITE, absorption, priority: None })
 }
 
 /// A surface that reflects diffusely and emits on both sides.

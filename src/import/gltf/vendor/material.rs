@@ -48,7 +48,8 @@ pub(in super::super) fn material(
             let ior = check.number("glass.ior", glass.ior.unwrap_or(1.5), 1e-3, 1e3) as f32;
             let tint = glass.tint.map_or(Rgb::WHITE, |c| check.color("glass.tint", c, 1.0));
             let absorption = glass.absorption.and_then(|a| absorption(&a, "glass.absorption", &mut check));
-            MaterialKind::Glass(Glass { ior, tint, absorption })
+            let priority = glass.priority.map(|v| priority("glass.priority", v, &mut check));
+            MaterialKind::Glass(Glass { ior, tint, absorption, priority })
         }
         (Some("light"), MaterialTable { light: Some(c), sides, .. }) => {
             let radiance = check.emitted("light", c);
@@ -95,9 +96,17 @@ fn principled(t: &PrincipledTable, p: &mut Principled, check: &mut Check<'_>) {
     if let Some(thin) = t.thin {
         p.thin = thin;
     }
+    if let Some(value) = t.priority {
+        p.priority = Some(priority(&key("priority"), value, check));
+    }
     if let Some(a) = &t.absorption {
         p.absorption = absorption(a, &key("absorption"), check);
     }
+}
+
+/// A whole number from 0 to 255.
+fn priority(key: &str, value: f64, check: &mut Check<'_>) -> u8 {
+    check.number(key, value.round(), 0.0, 255.0) as u8
 }
 
 fn absorption(a: &AbsorptionTable, key: &str, check: &mut Check<'_>) -> Option<Absorption> {

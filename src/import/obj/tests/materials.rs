@@ -129,8 +129,9 @@ fn other_files_follow_the_illumination_models() {
     assert_eq!((p.metallic, p.base_color), (1.0, Rgb::grey(0.9)));
     let p = principled(kind("Kd 0.5 0.5 0.5\nKs 0.4 0.4 0.4\nillum 3\nNs 1000\nNi 1.5").0);
     assert!(p.roughness == 0.0 && (p.specular_color.r * 0.04 - 0.4).abs() < 1e-6);
-    let glass =
-        |ior: f32, tint: f32| MaterialKind::Glass(Glass { ior, tint: Rgb::grey(tint), absorption: None });
+    let glass = |ior: f32, tint: f32| {
+        MaterialKind::Glass(Glass { ior, tint: Rgb::grey(tint), absorption: None, priority: None })
+    };
     check("Kd 0 0 0\nillum 7\nNi 1.33", glass(1.33, 1.0));
     check("Kd 0 0 0\nillum 6\nNi 1.5\nTf 0.5 0.5 0.5", glass(1.5, 0.5));
     check("Kd 0 0 0\nillum 4\nNi 1.5\nd 0.1", glass(1.5, 1.0));
