@@ -1,16 +1,16 @@
-//! Invariants on a scene of one's own: what must hold of any scene, and what is often wrong with one.
+//! Invariants on a scene of one's own: what must hold of any scene. What is often wrong with one is in `look`.
 
-use glam::{DVec3, Vec3};
+mod look;
 
-use super::scaling::scaled;
-use crate::accel::{PrimitiveId, RayKind};
+use glam::DVec3;
+
+use super::scaling::{moved, scaled};
 use crate::film::Image;
 use crate::integrate::naive::{ReferenceOptions, reference};
 use crate::integrate::{Control, Outcome, RenderOptions, RunError, render};
 use crate::prepare::{EffectsMode, Options, Prepared, prepare};
 use crate::report::{Verdict, compare};
-use crate::scene::{MaterialKind, Mesh, Scene, Shape};
-use crate::shape::{Ray, offset_origin};
+use crate::scene::{Scene, Shape};
 
 /// What an invariant says about a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,16 +56,19 @@ pub fn check_scene(
     control: &dyn Control,
 ) -> Result<Vec<Finding>, RunError> {
     let own = Own { scene, camera, size, control };
+    let prepared = own.prepare(scene, EffectsMode::Auto)?;
     let first = own.render(scene, EffectsMode::Auto, 1)?;
     Ok(vec![
         own.refused(&first),
         own.threads(&first)?,
         own.kernels(&first)?,
         own.scales(&first)?,
+        own.places(&first)?,
         own.reference()?,
-        own.triangles(),
-        own.lights(),
-        own.inside(&own.prepare(scene, EffectsMode::Auto)?),
+        look::triangles(scene),
+        look::lights(scene),
+        look::camera(scene, camera, &prepared),
+        look::overlaps(scene, &prepared),
     ])
 }
 
@@ -156,6 +159,37 @@ impl Own<'_> {
         Ok(say("scale", Says::Holds, "lengths times 2^-10, 2 and 2^10 make the same bytes"))
     }
 
+    /// The same scene somewhere else: other roundings, and the same picture but for noise.
+    fn places(&self, first: &Outcome) -> Result<Finding, RunError> {
+        const NAME: &str = "place";
+        let extent = self.extent();
+        let by = extent * DVec3::new(3.0, -1.5, 0.75);
+        let other = self.render(&moved(self.scene, by), EffectsMode::Auto, 1)?.film.to_image();
+        let Ok(c) = compare(&other, &first.film.to_image()) else {
+            return Ok(say(NAME, Says::Skipped, "the pictures cannot be compared"));
+        };
+        let ratio = c.channels[1].ratio.unwrap_or(1.0);
+        let said = format!("moved by {:.3e} m: green mean {ratio:.5} of what it was", by.length());
+        Ok(match c.verdict {
+            Verdict::Identical | Verdict::NoSignificantDifference => say(NAME, Says::Holds, said),
+            Verdict::Differs => say(NAME, Says::Fails, format!("{said}: differs by more than noise")),
+        })
+    }
+
+    /// The largest distance of an object's origin or vertex from the first one's, metres.
+    fn extent(&self) -> f64 {
+        let mut points = self.scene.objects.iter().flat_map(|o| {
+            let corners = match o.shape {
+                Shape::Mesh(id) => self.scene.meshes.get(id.0 as usize).map_or(&[][..], |m| &m.positions[..]),
+                Shape::Sphere { .. } => &[],
+            };
+            let place = |v: &glam::Vec3| o.transform.transform_point3(v.as_dvec3());
+            corners.iter().map(place).chain([o.transform.translation])
+        });
+        let Some(first) = points.next() else { return 1.0 };
+        points.fold(0.0, |extent: f64, p| extent.max(p.distance(first)))
+    }
+
     /// Whether something shines from infinitely far away.
     fn distant(&self) -> bool {
         let sun = |l: &crate::scene::Light| matches!(l.kind, crate::scene::LightKind::Sun { .. });
@@ -231,71 +265,5 @@ impl Own<'_> {
             }
             Shape::Sphere { .. } => 1.0,
         }
-    }
-
-    fn triangles(&self) -> Finding {
-        let degenerate = |m: &Mesh| {
-            let flat = |t: &&[u32; 3]| {
-                let [a, b, c] =
-                    t.map(|i| m.positions.get(i as usize).copied().unwrap_or(Vec3::NAN).as_dvec3());
-                let area: DVec3 = (b - a).cross(c - a);
-                let square = area.length_squared();
-                square.is_nan() || square <= 0.0
-            };
-            m.triangles.iter().filter(flat).count()
-        };
-        let n: usize = self.scene.meshes.iter().map(degenerate).sum();
-        if n == 0 {
-            return say("triangles", Says::Holds, "every triangle has an area");
-        }
-        say("triangles", Says::Look, format!("{n} triangles have no area; they are never hit"))
-    }
-
-    fn lights(&self) -> Finding {
-        let dark = |m: &crate::scene::Material| matches!(&m.kind, MaterialKind::Light { radiance, .. } if radiance.is_black());
-        let used = |(i, m): (usize, &crate::scene::Material)| {
-            let here = self.scene.objects.iter().any(|o| o.material.0 as usize == i);
-            (here && dark(m)).then(|| m.name.clone())
-        };
-        let names: Vec<String> = self.scene.materials.iter().enumerate().filter_map(used).collect();
-        if names.is_empty() {
-            return say("lights", Says::Holds, "every lamp shines");
-        }
-        say("lights", Says::Look, format!("lamps without power: {}", names.join(", ")))
-    }
-
-    /// Whether the camera stands in something closed that is not a room: rays of all directions leave it through its
-    /// back.
-    fn inside(&self, prepared: &Prepared) -> Finding {
-        let mut random = super::random::Random::of("camera inside");
-        let Some(camera) = self.scene.cameras.get(self.camera) else {
-            return say("camera", Says::Skipped, "there is no camera");
-        };
-        let eye = camera.transform.translation.as_vec3();
-        const RAYS: usize = 64;
-        let mut glass = 0;
-        let mut name = String::new();
-        for _ in 0..RAYS {
-            let ray = Ray::new(eye, random.direction());
-            let Some(hit) = prepared.accel.closest(&ray, PrimitiveId::NONE, RayKind::Other) else { continue };
-            let surface = prepared.surface(&ray, &hit, false);
-            let material = prepared.material_of(surface.object) as usize;
-            let transmits = prepared.materials.get(material).is_some_and(|m| m.bsdf.transmits());
-            if surface.ng.dot(ray.d) > 0.0 && transmits {
-                glass += 1;
-                name = self.scene.materials.get(material).map_or_else(String::new, |m| m.name.clone());
-            }
-            // Where a ray would go on from is finite, or geometry is broken.
-            let on = offset_origin(surface.p, surface.p_err, surface.ng, ray.d);
-            if !on.is_finite() {
-                return say("camera", Says::Fails, format!("a ray from the camera ends at {on}"));
-            }
-        }
-        if 10 * glass > 9 * RAYS {
-            let message =
-                format!("the camera stands inside of {name:?}: paths begin outside of every medium");
-            return say("camera", Says::Look, message);
-        }
-        say("camera", Says::Holds, "the camera stands in the open")
     }
 }

@@ -1,6 +1,6 @@
 //! Scenes at another scale.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use crate::color::Rgb;
 use crate::scene::{LightKind, MaterialKind, Projection, Scene, Shape};
@@ -60,5 +60,15 @@ pub fn scaled(scene: &Scene, k: i32) -> Scene {
             lens.focus_distance *= s;
         }
     }
+    scene
+}
+
+/// `scene` somewhere else.
+#[must_use]
+pub(super) fn moved(scene: &Scene, by: DVec3) -> Scene {
+    let mut scene = scene.clone();
+    scene.objects.iter_mut().for_each(|o| o.transform.translation += by);
+    scene.lights.iter_mut().for_each(|l| l.transform.translation += by);
+    scene.cameras.iter_mut().for_each(|c| c.transform.translation += by);
     scene
 }

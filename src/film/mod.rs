@@ -6,12 +6,16 @@
 //!
 //! Memory: three `i128` and one `u32` for each pixel and replication, about 200 bytes a pixel.
 
+mod error;
 mod fixed;
 mod image;
 mod layers;
+mod state;
 mod sums;
 
+pub use error::ErrorEstimate;
 pub use fixed::FixedPoint;
 pub use image::{Image, Layer};
 pub use layers::LightLayer;
+pub use state::StateError;
 pub use sums::{Features, Film, FilmLayout, Refusal, Sample};

@@ -81,36 +81,37 @@ pub struct Sample {
     pub layers: Option<[Rgb; LAYERS]>,
 }
 
-const FEATURES: usize = 10;
+/// Numbers of a surface's features.
+pub(super) const FEATURES: usize = 10;
 /// Number of light layers.
-const LAYERS: usize = LightLayer::ALL.len();
+pub(super) const LAYERS: usize = LightLayer::ALL.len();
 
 #[derive(Clone, Debug, PartialEq)]
-struct FeatureSums {
+pub(super) struct FeatureSums {
     /// Albedo, normal, depth, position; per pixel.
-    sums: Vec<[i128; FEATURES]>,
+    pub(super) sums: Vec<[i128; FEATURES]>,
     /// Object and material of the lowest pass seen, with that pass.
-    ids: Vec<(u32, [u32; 2])>,
+    pub(super) ids: Vec<(u32, [u32; 2])>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct LayerSums {
+pub(super) struct LayerSums {
     /// Per pixel.
-    sums: Vec<[[i128; 3]; LAYERS]>,
+    pub(super) sums: Vec<[[i128; 3]; LAYERS]>,
     /// Luminance of the brightest sample, per pixel.
-    brightest: Vec<f32>,
+    pub(super) brightest: Vec<f32>,
 }
 
 /// Exact sums of samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    layout: FilmLayout,
-    sums: Vec<[i128; 3]>,
-    counts: Vec<u32>,
-    hits: Vec<u32>,
-    features: Option<FeatureSums>,
-    layers: Option<LayerSums>,
-    refused: [u64; 3],
+    pub(super) layout: FilmLayout,
+    pub(super) sums: Vec<[i128; 3]>,
+    pub(super) counts: Vec<u32>,
+    pub(super) hits: Vec<u32>,
+    pub(super) features: Option<FeatureSums>,
+    pub(super) layers: Option<LayerSums>,
+    pub(super) refused: [u64; 3],
 }
 
 impl Film {

@@ -194,7 +194,7 @@ impl<'a> Compiler<'a> {
                     if varies { Bsdf::Black } else { principled(&Numbers::from(&**p), &mut self.rows) };
                 PreparedMaterial {
                     interior: p.absorption.as_ref().filter(|_| !p.thin).and_then(Interior::new),
-                    encloses: !p.thin,
+                    encloses: !p.thin && p.transmission > 0.0,
                     varying: varies.then(|| Box::new(Varying::new(p, self.scene, &mut self.tables))),
                     cutout: Cutout::new(p, self.scene).map(Box::new),
                     normal,

@@ -32,6 +32,8 @@ pub use nesting::{Inside, Medium};
 pub use plan::{Effect, Effects, KERNELS, KernelSet, Need, Plan, analyse};
 pub use surface::Surface;
 
+use glam::DVec3;
+
 use crate::accel::Accel;
 use crate::film::FixedPoint;
 use crate::light::LightSet;
@@ -185,6 +187,13 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
 }
 
 impl Prepared {
+    /// The objects of the scene that this was prepared from that enclose a volume with the point `p`, metres,
+    /// world space, in it: by index, the outermost first.
+    #[must_use]
+    pub fn around(&self, scene: &Scene, p: DVec3) -> Vec<usize> {
+        start::around(scene, &self.materials, p)
+    }
+
     /// The material of an object.
     #[inline]
     #[must_use]

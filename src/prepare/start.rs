@@ -21,23 +21,25 @@ pub(super) fn medium(
     nesting: Option<&Nesting>,
     p: DVec3,
 ) -> Medium {
-    let encloses = |o: &&Object| materials[o.material.0 as usize].encloses;
-    // Extent and material of everything around the point, the outermost first.
-    let mut around: Vec<(f64, u32)> = scene
-        .objects
-        .iter()
-        .filter(encloses)
-        .filter_map(|o| contains(scene, o, p).map(|extent| (extent, o.material.0)))
-        .collect();
-    around.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let around: Vec<u32> = around(scene, materials, p).iter().map(|&i| scene.objects[i].material.0).collect();
     let is_body = |m: u32| scene.materials[m as usize].kind.body().is_some();
-    let inside = nesting.map(|n| n.inside(around.iter().map(|a| a.1))).unwrap_or_default();
+    let inside = nesting.map(|n| n.inside(around.iter().copied())).unwrap_or_default();
     // Whoever went there entered the innermost last.
     let there = match around.last() {
-        Some(&(_, m)) if !is_body(m) => Some(m),
+        Some(&m) if !is_body(m) => Some(m),
         _ => nesting.and_then(|n| n.there(inside)),
     };
     Medium { absorbs: there.filter(|&m| materials[m as usize].interior.is_some()), inside }
+}
+
+/// The objects around the point `p`, world space, that enclose a volume: by index, the outermost first.
+pub(super) fn around(scene: &Scene, materials: &[PreparedMaterial], p: DVec3) -> Vec<usize> {
+    let objects = scene.objects.iter().enumerate();
+    let enclosing = objects.filter(|(_, o)| materials[o.material.0 as usize].encloses);
+    let mut around: Vec<(f64, usize)> =
+        enclosing.filter_map(|(i, o)| contains(scene, o, p).map(|extent| (extent, i))).collect();
+    around.sort_by(|a, b| b.0.total_cmp(&a.0));
+    around.into_iter().map(|(_, i)| i).collect()
 }
 
 /// Half the diagonal of an object's bounds, metres, where it contains the point `p`, and else `None`.

@@ -23,12 +23,13 @@ use epsilux::check::scaled;
 const SIZE: [u32; 2] = [20, 14];
 
 /// The scenes of the project that every test here looks at.
-const FILES: [(&str, &str); 5] = [
+const FILES: [(&str, &str); 6] = [
     ("hexroom", include_str!("../../scenes/hexroom.toml")),
     ("hexroom-diffuse", include_str!("../../scenes/hexroom-diffuse.toml")),
     ("cornell", include_str!("../../scenes/cornell.toml")),
     ("caustic", include_str!("../../scenes/caustic.toml")),
     ("materials", include_str!("../../scenes/materials.toml")),
+    ("drink", include_str!("../../scenes/drink.toml")),
 ];
 
 fn files() -> impl Iterator<Item = (String, Scene)> {
@@ -160,6 +161,7 @@ fn scenes_to_scale() -> Vec<(&'static str, Scene)> {
         ("hexroom", file("hexroom")),
         ("caustic", tinted_caustic()),
         ("materials", materials_indoors()),
+        ("drink", Scene { environment: None, ..file("drink") }),
         ("area lights", area_lights()),
     ]
 }

@@ -42,8 +42,38 @@ mesh = { positions = [[0, 0, -3], [1, 0, -3], [0, 1, -3], [2, 0, -3]], triangles
 ",
     );
     let said = folder.done("check --scene odd.toml");
-    assert!(said.out.contains("the camera stands inside of \"clear\""), "{}", said.out);
+    assert!(said.out.contains("the camera stands inside of \"sphere 1\""), "{}", said.out);
     assert!(said.out.contains("lamps without power: off"), "{}", said.out);
+}
+
+/// Glass that reaches into other glass is said, where no order says which of them is there.
+#[test]
+fn bodies_without_an_order_are_said() {
+    let folder = Folder::new();
+    let scene = |priority: &str| {
+        format!(
+            "epsilux = 1
+environment = {{ radiance = [1, 1, 1] }}
+camera.eye = {{ eye = [0, 0, 9], target = [0, 0, 0], fov = 40 }}
+material.glass = {{ glass = {{ ior = 1.5{priority} }} }}
+material.water = {{ glass = {{ ior = 1.33{priority} }} }}
+[[object]]
+name = \"bowl\"
+material = \"glass\"
+sphere = {{ radius = 1 }}
+[[object]]
+name = \"lake\"
+material = \"water\"
+box = {{ center = [0, -1, 0], size = [3, 1, 3] }}
+"
+        )
+    };
+    folder.write("loose.toml", &scene(""));
+    let said = folder.done("check --scene loose.toml --size 16x16");
+    assert!(said.out.contains("look     bodies     \"bowl\" and \"lake\" overlap"), "{}", said.out);
+    folder.write("ordered.toml", &scene(", priority = 1"));
+    let said = folder.done("check --scene ordered.toml --size 16x16");
+    assert!(said.out.contains("holds    bodies"), "{}", said.out);
 }
 
 /// What is not in the catalogue is refused with what is.

@@ -10,7 +10,7 @@ use epsilux::scene::{MaterialKind, Scene, Shape};
 
 use crate::support::compare::Pair;
 use crate::support::fast::valid;
-use crate::support::features;
+use crate::support::{features, nested};
 
 /// Compares each scene of a list; small pictures of scenes that differ in one feature.
 fn check_all(scenes: Vec<(String, Scene)>, samples: [u32; 2], bound: impl Fn(&str) -> f64) {
@@ -104,6 +104,12 @@ fn lights_and_media() {
 #[test]
 fn shapes_and_cameras() {
     check_all(features::shapes_and_cameras(), [640, 3000], material_bound);
+}
+
+/// Guards which of several bodies is there, what their interfaces do, and what the camera is in.
+#[test]
+fn nested_bodies() {
+    check_all(nested::nested(), [512, 1200], |_| 0.25);
 }
 
 /// Guards what features do to each other.

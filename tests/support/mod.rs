@@ -6,6 +6,7 @@
 pub(crate) mod compare;
 pub(crate) mod fast;
 pub(crate) mod features;
+pub(crate) mod nested;
 pub(crate) mod scenes;
 pub(crate) mod seed;
 pub(crate) mod textured;

@@ -121,9 +121,11 @@ impl Surface {
                 (bsdf, glass.absorption, true)
             }
             MaterialKind::Light { .. } => (Bsdf::Black, None, false),
-            MaterialKind::Principled(p) => {
-                (Bsdf::Principled(Box::new(Principled::new(p, curves))), p.absorption, !p.thin)
-            }
+            MaterialKind::Principled(p) => (
+                Bsdf::Principled(Box::new(Principled::new(p, curves))),
+                p.absorption,
+                !p.thin && p.transmission > 0.0,
+            ),
         };
         Self {
             emission: rgb(emission),

@@ -1,0 +1,236 @@
+//! Parts of a render: some of its passes, made at another time or on another machine.
+//!
+//! In: films of passes of one render. Out: one film, the same as if all had been rendered together, since sums
+//! are exact and a pass needs no other pass. A part says what it is a part of: scene, settings and plan. What
+//! differs in any of them is refused, and so is a pass that is there twice; passes that are missing are listed.
+
+mod bytes;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use crate::film::{Film, StateError};
+
+/// What a part is a part of.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Identity {
+    /// SHA-256 of the scene, hexadecimal.
+    pub scene: String,
+    /// Every setting that samples depend on, by name, as people would write it.
+    pub settings: BTreeMap<String, String>,
+    /// What the plan says.
+    pub plan: String,
+}
+
+/// Some passes of a render.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What of.
+    pub identity: Identity,
+    /// The passes that the film holds whole: half open, in order, with something between them.
+    pub passes: Vec<Range<u32>>,
+    /// Their sums.
+    pub film: Film,
+    /// Rays traced for them.
+    pub rays: u64,
+    /// Paths cut by the far safety cap.
+    pub capped: u64,
+}
+
+/// Why bytes are no part, or parts no render.
+#[derive(Debug, thiserror::Error)]
+pub enum PartError {
+    /// The bytes do not begin as a part does.
+    #[error("this is not a part of a render")]
+    NotAPart,
+    /// A newer version wrote it.
+    #[error("found {found}, expected {expected}: a newer version wrote it")]
+    Version {
+        /// The schema that it names.
+        found: String,
+        /// The one that is known.
+        expected: &'static str,
+    },
+    /// The checksum is not that of the bytes.
+    #[error("it is damaged or cut short: its checksum is wrong")]
+    Damaged,
+    /// The header is not one.
+    #[error("its header cannot be read: {0}")]
+    Header(String),
+    /// The sums are not those of the layout.
+    #[error(transparent)]
+    State(#[from] StateError),
+    /// Parts of different renders.
+    #[error("they are parts of different renders: {what} is {own} in one and {other} in the other")]
+    Mixed {
+        /// What differs.
+        what: String,
+        /// In the first.
+        own: String,
+        /// In the other.
+        other: String,
+    },
+    /// A pass is there twice.
+    #[error("passes {}..{} are there twice", .0.start, .0.end)]
+    Overlap(Range<u32>),
+}
+
+impl Identity {
+    /// Whether `other` is the same render.
+    ///
+    /// # Errors
+    /// What differs, and how.
+    pub fn check(&self, other: &Self) -> Result<(), PartError> {
+        let differ = |what: &str, own: &str, other: &str| {
+            Err(PartError::Mixed { what: what.to_owned(), own: own.to_owned(), other: other.to_owned() })
+        };
+        if self.scene != other.scene {
+            let short = |hash: &str| hash.get(..12).unwrap_or(hash).to_owned();
+            return differ("the scene", &short(&self.scene), &short(&other.scene));
+        }
+        let names: std::collections::BTreeSet<&String> =
+            self.settings.keys().chain(other.settings.keys()).collect();
+        for name in names {
+            let value = |i: &Self| i.settings.get(name).map_or("not given", String::as_str).to_owned();
+            if value(self) != value(other) {
+                return differ(name, &value(self), &value(other));
+            }
+        }
+        if self.plan == other.plan {
+            return Ok(());
+        }
+        let line = self.plan.lines().zip(other.plan.lines()).find(|(a, b)| a != b);
+        let (own, other) = line.unwrap_or(("shorter or longer", "longer or shorter"));
+        differ("the plan", own.trim(), other.trim())
+    }
+}
+
+impl Part {
+    /// Adds another part of the same render.
+    ///
+    /// # Errors
+    /// It is one of another render, or shares passes with this one; this one is then as it was.
+    pub fn add(&mut self, other: Self) -> Result<(), PartError> {
+        self.identity.check(&other.identity)?;
+        let mut passes = self.passes.clone();
+        passes.extend(other.passes);
+        let passes = join(passes)?;
+        self.film.merge(other.film).map_err(|other| {
+            let said = |film: &Film| format!("{:?}", film.layout());
+            PartError::Mixed { what: "the film".into(), own: said(&self.film), other: said(&other) }
+        })?;
+        self.passes = passes;
+        self.rays += other.rays;
+        self.capped += other.capped;
+        Ok(())
+    }
+
+    /// Passes from the first on that are missing between others.
+    #[must_use]
+    pub fn gaps(&self) -> Vec<Range<u32>> {
+        let mut next = 0;
+        let mut gaps = Vec::new();
+        for p in &self.passes {
+            if p.start > next {
+                gaps.push(next..p.start);
+            }
+            next = p.end;
+        }
+        gaps
+    }
+
+    /// Number of passes.
+    #[must_use]
+    pub fn count(&self) -> u32 {
+        self.passes.iter().map(|p| p.end - p.start).sum()
+    }
+}
+
+/// Ranges in order, neighbours as one.
+fn join(mut ranges: Vec<Range<u32>>) -> Result<Vec<Range<u32>>, PartError> {
+    ranges.retain(|r| !r.is_empty());
+    ranges.sort_by_key(|r| (r.start, r.end));
+    let mut joined: Vec<Range<u32>> = Vec::new();
+    for r in ranges {
+        match joined.last_mut() {
+            Some(last) if r.start < last.end => return Err(PartError::Overlap(r.start..last.end.min(r.end))),
+            Some(last) if r.start == last.end => last.end = r.end,
+            _ => joined.push(r),
+        }
+    }
+    Ok(joined)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+    use crate::film::{FilmLayout, Sample};
+
+    fn part(passes: Range<u32>) -> Part {
+        let mut film = Film::new(FilmLayout::plain([2, 2]));
+        for pass in passes.clone() {
+            for pixel in 0..4 {
+                let radiance = Rgb::new(0.3, pixel as f32, 1.0 / (1.0 + pass as f32));
+                film.add(pixel, pass, &Sample { radiance, ..Sample::default() }).expect("a radiance");
+            }
+        }
+        let identity = Identity {
+            scene: "0123456789abcdef".into(),
+            settings: [("seed".to_owned(), "1".to_owned())].into(),
+            plan: "kernel matte".into(),
+        };
+        let rays = u64::from(passes.end - passes.start);
+        Part { identity, passes: vec![passes], film, rays, capped: 0 }
+    }
+
+    /// Guards that parts in any order are the whole, and that gaps are known.
+    #[test]
+    fn parts_in_any_order_are_the_whole() {
+        let mut sum = part(8..11);
+        sum.add(part(0..3)).expect("other passes");
+        assert_eq!((sum.gaps(), sum.count()), (vec![3..8], 6));
+        sum.add(part(3..8)).expect("the passes between");
+        assert_eq!(sum, part(0..11));
+        assert_eq!(Part::from_bytes(&sum.to_bytes()).expect("a part"), sum);
+    }
+
+    /// Guards what is refused, in words, and that a refusal changes nothing.
+    #[test]
+    fn strangers_and_twins_are_refused() {
+        let mut sum = part(0..8);
+        let mut refuse = |other: Part| {
+            let said = sum.add(other).expect_err("refused").to_string();
+            assert_eq!(sum, part(0..8));
+            said
+        };
+        assert_eq!(refuse(part(6..9)), "passes 6..8 are there twice");
+        let mut seed = part(8..9);
+        seed.identity.settings.insert("seed".into(), "2".into());
+        assert_eq!(refuse(seed), "they are parts of different renders: seed is 1 in one and 2 in the other");
+        let mut scene = part(8..9);
+        scene.identity.scene = "fedcba9876543210".into();
+        assert_eq!(
+            refuse(scene),
+            "they are parts of different renders: the scene is 0123456789ab in one and fedcba987654 in the other"
+        );
+        let mut plan = part(8..9);
+        plan.identity.plan = "kernel report".into();
+        assert!(refuse(plan).contains("the plan is kernel matte in one and kernel report in the other"));
+    }
+
+    /// Guards that a file that was cut short at any byte, or changed at any, is refused.
+    #[test]
+    fn damaged_bytes_are_refused() {
+        let whole = part(0..3).to_bytes();
+        for n in 0..whole.len() {
+            Part::from_bytes(&whole[..n]).expect_err("cut short");
+            let mut changed = whole.clone();
+            changed[n] ^= 1;
+            Part::from_bytes(&changed).expect_err("changed");
+        }
+    }
+}
