@@ -26,6 +26,7 @@ pub mod mutants;
 #[cfg(not(epsilux_mutants))]
 mod mutants;
 pub mod output;
+pub mod part;
 pub mod prepare;
 pub mod report;
 pub mod sampling;

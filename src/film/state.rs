@@ -65,8 +65,7 @@ impl Film {
         let features = usize::from(layout.features);
         let layers = usize::from(layout.layers);
         let of_pixel = COUNT + features * (FEATURES * width + IDS) + layers * (3 * LAYERS * width + COUNT);
-        let expected =
-            1 + cells * (3 * width + COUNT) as u128 + pixels * of_pixel as u128 + REFUSED as u128;
+        let expected = 1 + cells * (3 * width + COUNT) as u128 + pixels * of_pixel as u128 + REFUSED as u128;
         if expected != bytes.len() as u128 {
             return Err(StateError::Length { found: bytes.len(), expected });
         }

@@ -203,6 +203,9 @@ fn step<const FX: u32, const LAYERS: bool>(
         // Within a body that is there anyway, nothing begins or ends.
         there &= met.interface.is_some();
         prepared = met.interface.unwrap_or(prepared);
+        if met.flipped {
+            (surface.ng, surface.ns) = (-surface.ng, -surface.ns);
+        }
     }
     if !there {
         path.medium = met.map_or(path.medium, |m| m.beyond);

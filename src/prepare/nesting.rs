@@ -61,6 +61,8 @@ pub(crate) struct Met<'a> {
     pub(crate) beyond: Medium,
     /// A surface of another body that lies on it, and is crossed with it.
     pub(crate) with: PrimitiveId,
+    /// Whether the interface is that of the other body, whose front is on the other side.
+    pub(crate) flipped: bool,
 }
 
 /// The bodies of a scene, in their order.
@@ -90,10 +92,10 @@ impl Nesting {
         for (rank, &(_, i, _)) in order.iter().enumerate() {
             ranks[i] = Some(rank as u8);
         }
-        let others: Vec<f32> = std::iter::once(1.0).chain(order.iter().map(|b| b.2)).collect();
         let relative = order.iter().map(|&(_, i, ior)| {
             let mut against: Vec<(f32, PreparedMaterial)> = Vec::new();
-            for eta in others.iter().flat_map(|&other| [ior / other, other / ior]) {
+            let others = order.iter().filter(|b| b.1 != i).map(|b| b.2);
+            for eta in std::iter::once(1.0).chain(others).map(|other| ior / other) {
                 if against.iter().all(|(known, _)| *known != eta) {
                     let kind = with_ior(&folded.kinds[i], eta);
                     against.push((eta, compiler.material(&kind, &folded.uses[i])));
@@ -125,10 +127,11 @@ impl Nesting {
         inside.top().map_or(1.0, |rank| self.bodies[usize::from(rank)].1)
     }
 
-    /// The material of `rank` as an interface whose front side is against `ior_front` and its back `ior_back`.
-    fn interface(&self, rank: u8, ior_front: f32, ior_back: f32) -> Option<&PreparedMaterial> {
-        let eta = ior_back / ior_front;
-        self.relative[usize::from(rank)].iter().find(|(known, _)| *known == eta).map(|(_, m)| m)
+    /// The material of `rank` as an interface against something of the index `outside`.
+    fn interface(&self, rank: u8, outside: f32) -> Option<&PreparedMaterial> {
+        let rank = usize::from(rank);
+        let eta = self.bodies[rank].1 / outside;
+        self.relative[rank].iter().find(|(known, _)| *known == eta).map(|(_, m)| m)
     }
 }
 
@@ -153,29 +156,33 @@ impl Prepared {
     /// What a surface is to a ray along `d` in `medium`; `None` where it is not that of a body.
     pub(crate) fn meet(&self, surface: &Surface, d: Vec3, medium: Medium) -> Option<Met<'_>> {
         let nesting = self.nesting.as_ref()?;
-        let mut rank = nesting.ranks[self.material_of(surface.object) as usize]?;
+        let own = nesting.ranks[self.material_of(surface.object) as usize]?;
         let before = medium.inside;
-        let mut after = before.across(rank, surface.ng.dot(d) < 0.0);
+        let enters = surface.ng.dot(d) < 0.0;
+        let mut after = before.across(own, enters);
         let mut with = PrimitiveId::NONE;
+        let (mut rank, mut into) = (own, enters);
         if nesting.touching
-            && let Some((id, other, enters)) = self.touching(nesting, surface, d)
+            && let Some((id, other, enters_other)) = self.touching(nesting, surface, d)
         {
-            // Where the surface itself changes nothing, that of the other body may.
-            if after.top() == before.top() {
-                rank = other;
+            (with, after) = (id, after.across(other, enters_other));
+            // The interface is that of the body which is there on one side, and of the two that touch the one that
+            // was met first.
+            if (if enters { after } else { before }).top() != Some(own) {
+                (rank, into) = (other, enters_other);
             }
-            (with, after) = (id, after.across(other, enters));
         }
+        if after.top() == before.top() {
+            let beyond = Medium { inside: after, ..medium };
+            return Some(Met { interface: None, beyond, with, flipped: false });
+        }
+        let outside = nesting.ior(if into { before } else { after });
         let absorbs = nesting.there(after).filter(|&m| self.materials[m as usize].interior.is_some());
-        let changes = after.top() != before.top();
-        let [mut front, mut back] = [nesting.ior(before), nesting.ior(after)];
-        if surface.ng.dot(d) > 0.0 {
-            std::mem::swap(&mut front, &mut back);
-        }
         Some(Met {
-            interface: if changes { nesting.interface(rank, front, back) } else { None },
-            beyond: Medium { inside: after, absorbs: if changes { absorbs } else { medium.absorbs } },
+            interface: nesting.interface(rank, outside),
+            beyond: Medium { inside: after, absorbs },
             with,
+            flipped: into != enters,
         })
     }
 

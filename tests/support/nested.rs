@@ -67,7 +67,7 @@ fn shadows(kind: MaterialKind) -> Scene {
     scene
 }
 
-/// A picture that varies how much of a body's surface is there, in what color, and how rough.
+/// A picture that varies how much of a body's surface is there, and in what colour.
 fn textured() -> Scene {
     let mut scene = stage();
     let texture = Texture::new(noise_image(&mut scene, 5));
@@ -76,8 +76,6 @@ fn textured() -> Scene {
     let kind = rough(1.5, 2, |p| {
         (p.alpha, p.alpha_mode) = (0.7, AlphaMode::Blend);
         p.textures.base_color = Some(texture);
-        p.textures.roughness =
-            Some(epsilux::scene::ScalarTexture { texture, channel: epsilux::scene::Channel::G });
     });
     scene.object(mesh, DAffine3::from_translation(MIDDLE), kind);
     scene.sphere(MIDDLE, 0.7, dyed(1.2, 3));

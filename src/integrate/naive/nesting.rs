@@ -43,6 +43,8 @@ pub(super) struct Crossing {
     pub(super) beyond: Place,
     /// The surface of another body that is crossed with it.
     pub(super) with: Option<Primitive>,
+    /// Whether the interface is that surface, and its front on the other side.
+    pub(super) flipped: bool,
 }
 
 /// The bodies of a scene, by material.
@@ -57,10 +59,11 @@ impl Nesting {
     pub(super) fn new(scene: &Scene, colored: &[bool], curve: &mut dyn FnMut(Lobe, f64) -> Mix) -> Self {
         let bodies: Vec<Option<Body>> = scene.materials.iter().map(|m| m.kind.body()).collect();
         let mut interfaces = HashMap::new();
-        let indices: Vec<f32> = std::iter::once(1.0).chain(bodies.iter().flatten().map(|b| b.ior)).collect();
         for (i, body) in bodies.iter().enumerate() {
             let Some(body) = body else { continue };
-            for eta in indices.iter().flat_map(|other| [body.ior / other, other / body.ior]) {
+            let others =
+                bodies.iter().enumerate().filter(|(j, _)| *j != i).filter_map(|(_, b)| Some((*b)?.ior));
+            for eta in std::iter::once(1.0).chain(others).map(|other| body.ior / other) {
                 interfaces.entry((i, eta.to_bits())).or_insert_with(|| {
                     let kind = with_index(&scene.materials[i].kind, eta);
                     let surface = Surface::new(&kind, curve);
@@ -107,25 +110,31 @@ impl Nesting {
     pub(super) fn meet(&self, geometry: &Geometry, hit: &Hit, d: DVec3, place: &Place) -> Option<Crossing> {
         self.bodies[hit.material]?;
         let before = &place.bodies;
-        let mut after = across(before, hit.material, hit.ng.dot(d) < 0.0);
-        let mut interface = hit.material;
+        let enters = hit.ng.dot(d) < 0.0;
+        let mut after = across(before, hit.material, enters);
         let touching = geometry.touching(hit, d, &|material| self.bodies[material].is_some());
+        let mut candidates = vec![(hit.material, enters)];
         if let Some(other) = &touching {
-            if self.there(&after) == self.there(before) {
-                interface = other.material;
-            }
-            after = across(&after, other.material, other.ng.dot(d) < 0.0);
+            let enters = other.ng.dot(d) < 0.0;
+            after = across(&after, other.material, enters);
+            candidates.push((other.material, enters));
         }
         let with = touching.map(|other| other.primitive);
-        if self.there(&after) == self.there(before) {
+        let (here, there) = (self.there(before), self.there(&after));
+        if here == there {
             let beyond = Place { bodies: after, medium: place.medium };
-            return Some(Crossing { interface: None, beyond, with });
+            return Some(Crossing { interface: None, beyond, with, flipped: false });
         }
-        let (near, far) = (self.index(before), self.index(&after));
-        let eta = if hit.ng.dot(d) < 0.0 { far / near } else { near / far };
+        // A surface parts what is there from something else where it bounds one of the two.
+        let bounds =
+            |&(material, enters): &(usize, bool)| (if enters { there } else { here }) == Some(material);
+        let (material, into) = candidates.into_iter().find(bounds)?;
+        let [inner, outer] = if into { [&after, before] } else { [before, &after] };
+        let eta = self.index(inner) / self.index(outer);
         let medium = self.absorption(&after);
         let beyond = Place { bodies: after, medium };
-        Some(Crossing { interface: Some((interface, eta.to_bits())), beyond, with })
+        let interface = Some((material, eta.to_bits()));
+        Some(Crossing { interface, beyond, with, flipped: into != enters })
     }
 
     /// The surface of an interface, and what varies it.

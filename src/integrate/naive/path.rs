@@ -127,8 +127,9 @@ impl Tracer {
                 let Some(hit) = hit else { return radiance };
                 beta *= transmittance(place.medium, length);
                 let Some(surface) = self.surfaces.get(hit.material) else { return radiance };
-                let vertex = Vertex::new(hit.ng, hit.ns, -d);
                 let crossing = self.nesting.meet(&self.geometry, &hit, d, &place);
+                let side = if crossing.as_ref().is_some_and(|c| c.flipped) { -1.0 } else { 1.0 };
+                let vertex = Vertex::new(side * hit.ng, side * hit.ns, -d);
                 let interface = match &crossing {
                     None => Some((Cow::Borrowed(surface), self.varying[hit.material].as_ref())),
                     Some(crossing) => crossing.interface.and_then(|key| self.nesting.interface(key)),
