@@ -6,7 +6,7 @@
 mod coincident;
 mod degenerate;
 mod far;
-mod slivers;
+pub(super) mod slivers;
 mod tree;
 mod watertight;
 

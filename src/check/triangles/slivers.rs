@@ -63,15 +63,16 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, ray: &Ray, v: [Vec3; 3]) {
-        let exact = Exact::new(ray, v);
+    fn add(&mut self, crossing: Option<(Ray, [Vec3; 3])>) {
+        let Some((ray, v)) = crossing else { return };
+        let exact = Exact::new(&ray, v);
         let (near, far) =
             (exact.t[0].min(exact.t[1]).min(exact.t[2]), exact.t[0].max(exact.t[1]).max(exact.t[2]));
         if near <= 0.0 {
             return;
         }
         self.rays += 1;
-        let hit = Shear::new(ray).intersect(v[0], v[1], v[2]);
+        let hit = Shear::new(&ray).intersect(v[0], v[1], v[2]);
         let (expected, distance) = exact.decide();
         if hit.is_some() != expected {
             self.wrong = self.wrong.max(distance / (U * exact.reach));
@@ -80,7 +81,7 @@ impl Tally {
             self.hits += 1;
             let (t, slack) = (f64::from(hit.t), 16.0 * U);
             self.far_off += u64::from(t < near * (1.0 - slack) || t > far * (1.0 + slack));
-            self.outside += u64::from(!in_own_box(ray, v, t));
+            self.outside += u64::from(!in_own_box(&ray, v, t));
         }
     }
 
@@ -115,7 +116,7 @@ impl Tally {
 
 /// Whether a distance along a ray lies between those at which it enters and leaves the box of a triangle. The tree's
 /// boxes have this padding and slack, in single precision; this is neither their code nor their precision.
-fn in_own_box(ray: &Ray, v: [Vec3; 3], t: f64) -> bool {
+pub(in crate::check) fn in_own_box(ray: &Ray, v: [Vec3; 3], t: f64) -> bool {
     let v = v.map(|p| p.as_dvec3());
     let pad = v.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max) / 1_048_576.0;
     let (low, high) = (v[0].min(v[1]).min(v[2]) - pad, v[0].max(v[1]).max(v[2]) + pad);
@@ -138,7 +139,7 @@ pub(super) fn thin(effort: Effort) -> Vec<Figure> {
         for _ in 0..n {
             let apex = r.unit();
             let flat = [DVec3::ZERO, DVec3::X, DVec3::new(apex, height, 0.0)];
-            one(&mut tally, &mut r, flat, 1.0, 1.0);
+            tally.add(aimed_at(&mut r, flat, 1.0, 1.0));
         }
         figures.extend(tally.figures(&format!("base 1, height {height:e}")));
     }
@@ -146,7 +147,7 @@ pub(super) fn thin(effort: Effort) -> Vec<Figure> {
     let (sin, cos) = libm::sincos(0.52f64.to_radians());
     for _ in 0..n {
         let flat = [DVec3::ZERO, DVec3::X * 11.2, DVec3::new(9.8 * cos, 9.8 * sin, 0.0)];
-        one(&mut tally, &mut r, flat, 350.0, 11.0);
+        tally.add(aimed_at(&mut r, flat, 350.0, 11.0));
     }
     figures.extend(tally.figures("sides 11.2 and 9.8, an angle of 0.52 degrees"));
     figures.extend(together(&mut r, effort.trials(5_000)));
@@ -182,13 +183,17 @@ fn together(r: &mut Random, n: u64) -> Vec<Figure> {
     compared.figures(&format!("{SLIVERS} slivers of height 1e-8 to 1e-3"), 0.02)
 }
 
-/// A ray aimed at a triangle that is turned and placed anywhere up to `place`, from `size` times 1e-1 to 1e3.
-fn one(tally: &mut Tally, r: &mut Random, flat: [DVec3; 3], place: f64, size: f64) -> Option<()> {
+/// A triangle that is turned and placed anywhere up to `place`, and a ray aimed at it from `size` times 1e-1 to 1e3.
+pub(in crate::check) fn aimed_at(
+    r: &mut Random,
+    flat: [DVec3; 3],
+    place: f64,
+    size: f64,
+) -> Option<(Ray, [Vec3; 3])> {
     let turn = rotation(r);
     let middle = r.direction().as_dvec3() * (place * r.unit());
     let v = flat.map(|p| (middle + turn * p).as_vec3());
     let target = at(v, barycentric(r));
     let o = target + r.direction().as_dvec3() * (size * libm::pow(10.0, r.between(-1.0, 3.0)));
-    tally.add(&aimed(o.as_vec3(), target)?, v);
-    Some(())
+    Some((aimed(o.as_vec3(), target)?, v))
 }
