@@ -27,6 +27,7 @@ pub mod mutants;
 mod mutants;
 pub mod output;
 pub mod prepare;
+mod rare;
 pub mod report;
 pub mod sampling;
 pub mod scene;

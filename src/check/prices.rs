@@ -136,8 +136,7 @@ fn sliver() -> Price {
         aimed_at(&mut random, flat, 1.0, 1.0)
     };
     let inputs: Vec<(Ray, [Vec3; 3])> = (0..CALLS).filter_map(input).collect();
-    let robust =
-        |(ray, v): &(Ray, [Vec3; 3])| Shear::new(ray).intersect(v[0], v[1], v[2]).map(|h| h.t);
+    let robust = |(ray, v): &(Ray, [Vec3; 3])| Shear::new(ray).intersect(v[0], v[1], v[2]).map(|h| h.t);
     let cheap = |(ray, v): &(Ray, [Vec3; 3])| in_single_precision(&Shear::new(ray), *v);
     let outside = |t: &dyn Fn(&(Ray, [Vec3; 3])) -> Option<f32>| {
         let beyond = |i: &&(Ray, [Vec3; 3])| t(i).is_some_and(|t| !in_own_box(&i.0, i.1, t.into()));
