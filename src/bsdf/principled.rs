@@ -278,8 +278,9 @@ impl Principled {
                 let sign = 1.0f32.copysign(wo.z);
                 let (wo, wi) = (Vec3::new(wo.x, wo.y, wo.z * sign), Vec3::new(wi.x, wi.y, wi.z * sign));
                 let half = (wo + wi).try_normalize();
-                if !rarely!(1e-5, half.is_none())
-                    && let Some(m) = half
+                let opposite = rarely!(1e-5, half.is_none());
+                if let Some(m) = half
+                    && !opposite
                 {
                     let (lo, li) = (ggx::lambda(wo, self.alpha), ggx::lambda(wi, self.alpha));
                     let d = ggx::d(m, self.alpha);

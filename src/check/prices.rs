@@ -128,6 +128,9 @@ fn in_single_precision(shear: &Shear, v: [Vec3; 3]) -> Option<f32> {
     (t > 0.0 && t < f32::INFINITY).then_some(t)
 }
 
+/// A ray, and the triangle that it is aimed at.
+type Aimed = (Ray, [Vec3; 3]);
+
 /// Rays at triangles 1e-7 as high as they are long.
 fn sliver() -> Price {
     let mut random = Random::of("price of a sliver");
@@ -135,11 +138,11 @@ fn sliver() -> Price {
         let flat = [DVec3::ZERO, DVec3::X, DVec3::new(random.unit(), 1e-7, 0.0)];
         aimed_at(&mut random, flat, 1.0, 1.0)
     };
-    let inputs: Vec<(Ray, [Vec3; 3])> = (0..CALLS).filter_map(input).collect();
-    let robust = |(ray, v): &(Ray, [Vec3; 3])| Shear::new(ray).intersect(v[0], v[1], v[2]).map(|h| h.t);
-    let cheap = |(ray, v): &(Ray, [Vec3; 3])| in_single_precision(&Shear::new(ray), *v);
-    let outside = |t: &dyn Fn(&(Ray, [Vec3; 3])) -> Option<f32>| {
-        let beyond = |i: &&(Ray, [Vec3; 3])| t(i).is_some_and(|t| !in_own_box(&i.0, i.1, t.into()));
+    let inputs: Vec<Aimed> = (0..CALLS).filter_map(input).collect();
+    let robust = |(ray, v): &Aimed| Shear::new(ray).intersect(v[0], v[1], v[2]).map(|h| h.t);
+    let cheap = |(ray, v): &Aimed| in_single_precision(&Shear::new(ray), *v);
+    let outside = |t: &dyn Fn(&Aimed) -> Option<f32>| {
+        let beyond = |i: &&Aimed| t(i).is_some_and(|t| !in_own_box(&i.0, i.1, t.into()));
         1e6 * inputs.iter().filter(beyond).count() as f64 / inputs.len() as f64
     };
     let figures = [outside(&robust), outside(&cheap)];

@@ -171,7 +171,8 @@ impl Film {
         let cell = pixel * k as usize + (pass % k) as usize;
         self.counts[cell] += 1;
         for (sum, v) in self.sums[cell].iter_mut().zip(c) {
-            *sum = planted!(running_mean(*sum + format.encode(v), *sum, self.counts[cell]));
+            let with = *sum + format.encode(v);
+            *sum = planted!(running_mean(with, *sum, self.counts[cell]));
         }
         if let Some(sums) = &mut self.layers {
             for (sum, part) in sums.sums[pixel].iter_mut().zip(sample.layers.unwrap_or_default()) {

@@ -566,7 +566,8 @@ fn surface(
     let d = to - from;
     let shadow_ray = Ray { o: from, d: d.try_normalize()?, t_max: d.length() };
     let weight = planted!(light_energy(radiance)) * (factor / pdf);
-    (factor > 0.0 && !rarely!(1e-5, !pdf.is_finite())).then_some(LightSample {
+    let unusable = rarely!(1e-5, !pdf.is_finite());
+    (factor > 0.0 && !unusable).then_some(LightSample {
         wi,
         weight,
         pdf,
