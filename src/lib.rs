@@ -28,6 +28,7 @@ mod mutants;
 pub mod output;
 pub mod part;
 pub mod prepare;
+mod rare;
 pub mod report;
 pub mod sampling;
 pub mod scene;

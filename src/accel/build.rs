@@ -27,10 +27,11 @@ impl Aabb {
         if e.x < 0.0 { 0.0 } else { e.x * e.y + e.y * e.z + e.z * e.x }
     }
 
-    /// Widened by 2^-21 of the largest coordinate: more than the error of the intersection tests on
-    /// what it contains, so that no box hides a hit from them.
+    /// Widened by 2^-20 of the largest coordinate, which is at least half of the size of what it contains: eight
+    /// units of rounding of that size, of which the intersection test can be wrong by six where the box straddles
+    /// the origin of the ray (see `SLACK` of `traverse`). So no box hides a hit.
     pub(super) fn padded(self) -> Self {
-        let m = self.lo.abs().max(self.hi.abs()).max_element() * (1.0 / 2_097_152.0);
+        let m = self.lo.abs().max(self.hi.abs()).max_element() * (1.0 / 1_048_576.0);
         Self { lo: self.lo - m, hi: self.hi + m }
     }
 

@@ -20,10 +20,10 @@ pub(super) trait Lanes: Copy {
     fn min(self, o: Self) -> Self;
     /// Where `self` is at most `o`.
     fn le(self, o: Self) -> u32;
-    /// Where no two of the three numbers have opposite signs (zero has none).
-    fn signs_agree(u: Self, v: Self, w: Self) -> u32;
-    /// Where `a * b` is not below zero and the size of `a` is at most that of `b` times `limit`; NaN is in.
-    fn ratio_within(a: Self, b: Self, limit: f32) -> u32;
+    /// Without the sign.
+    fn abs(self) -> Self;
+    /// Where no two of three numbers, known but for an error of up to `error`, have opposite signs (zero has none).
+    fn signs_may_agree(u: Self, v: Self, w: Self, error: Self) -> u32;
 }
 
 impl F8 {
@@ -90,19 +90,17 @@ impl Lanes for F8 {
     }
 
     #[inline(always)]
-    fn signs_agree(u: Self, v: Self, w: Self) -> u32 {
-        mask(|i| {
-            let e = [u.0[i], v.0[i], w.0[i]];
-            e.iter().all(|&x| x >= 0.0) || e.iter().all(|&x| x <= 0.0)
-        })
+    fn abs(self) -> Self {
+        Self(self.0.map(f32::abs))
     }
 
     #[inline(always)]
-    fn ratio_within(a: Self, b: Self, limit: f32) -> u32 {
+    fn signs_may_agree(u: Self, v: Self, w: Self, error: Self) -> u32 {
         mask(|i| {
-            let behind = a.0[i] * b.0[i] < 0.0;
-            let beyond = a.0[i].abs() > b.0[i].abs() * limit;
-            !(behind || beyond)
+            let e = [u.0[i], v.0[i], w.0[i]];
+            let below = e.iter().any(|&x| x < -error.0[i]);
+            let above = e.iter().any(|&x| x > error.0[i]);
+            !(below && above)
         })
     }
 }

@@ -87,9 +87,9 @@ pub(super) fn occluded(accel: &Accel, ray: &Ray, between: [PrimitiveId; 2]) -> b
 #[expect(unsafe_code, reason = "intrinsics of detected instructions")]
 mod wide {
     use std::arch::x86_64::{
-        __m256, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps,
-        _mm256_andnot_ps, _mm256_cmp_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
-        _mm256_mul_ps, _mm256_or_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
+        __m256, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps,
+        _mm256_cmp_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
+        _mm256_or_ps, _mm256_set1_ps, _mm256_store_ps, _mm256_sub_ps, _mm256_xor_ps,
     };
 
     use crate::accel::lanes::{F8, Lanes};
@@ -166,39 +166,33 @@ mod wide {
         }
 
         #[inline(always)]
-        fn signs_agree(u: Self, v: Self, w: Self) -> u32 {
+        fn abs(self) -> Self {
             // SAFETY: see above.
-            bits(unsafe {
-                let zero = _mm256_setzero_ps();
-                let up = _mm256_and_ps(
-                    _mm256_cmp_ps::<_CMP_GE_OQ>(u.0, zero),
-                    _mm256_and_ps(
-                        _mm256_cmp_ps::<_CMP_GE_OQ>(v.0, zero),
-                        _mm256_cmp_ps::<_CMP_GE_OQ>(w.0, zero),
-                    ),
-                );
-                let down = _mm256_and_ps(
-                    _mm256_cmp_ps::<_CMP_LE_OQ>(u.0, zero),
-                    _mm256_and_ps(
-                        _mm256_cmp_ps::<_CMP_LE_OQ>(v.0, zero),
-                        _mm256_cmp_ps::<_CMP_LE_OQ>(w.0, zero),
-                    ),
-                );
-                _mm256_or_ps(up, down)
-            })
+            Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
         }
 
         #[inline(always)]
-        fn ratio_within(a: Self, b: Self, limit: f32) -> u32 {
+        fn signs_may_agree(u: Self, v: Self, w: Self, error: Self) -> u32 {
             // SAFETY: see above.
-            let out = bits(unsafe {
-                let sign = _mm256_set1_ps(-0.0);
-                let (size_a, size_b) = (_mm256_andnot_ps(sign, a.0), _mm256_andnot_ps(sign, b.0));
-                let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(_mm256_mul_ps(a.0, b.0), _mm256_setzero_ps());
-                let end = _mm256_mul_ps(size_b, _mm256_set1_ps(limit));
-                _mm256_or_ps(behind, _mm256_cmp_ps::<_CMP_GT_OQ>(size_a, end))
+            let apart = bits(unsafe {
+                let least = _mm256_xor_ps(_mm256_set1_ps(-0.0), error.0);
+                let below = _mm256_or_ps(
+                    _mm256_cmp_ps::<_CMP_LT_OQ>(u.0, least),
+                    _mm256_or_ps(
+                        _mm256_cmp_ps::<_CMP_LT_OQ>(v.0, least),
+                        _mm256_cmp_ps::<_CMP_LT_OQ>(w.0, least),
+                    ),
+                );
+                let above = _mm256_or_ps(
+                    _mm256_cmp_ps::<_CMP_GT_OQ>(u.0, error.0),
+                    _mm256_or_ps(
+                        _mm256_cmp_ps::<_CMP_GT_OQ>(v.0, error.0),
+                        _mm256_cmp_ps::<_CMP_GT_OQ>(w.0, error.0),
+                    ),
+                );
+                _mm256_and_ps(below, above)
             });
-            !out & 0xff
+            !apart & 0xff
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Walking the trees: one generic body, instantiated by `simd` for each instruction set.
 //!
-//! Only box tests may be inexact, and they err on the side of entering: boxes are padded, near planes
-//! are moved nearer and far planes farther by more than their rounding (Ize, JCGT 2(2), 2013). The
-//! triangle test is `shape::triangle`'s, its edge functions computed for eight lanes at a time; a lane
-//! that they do not rule out is decided by the scalar code.
+//! Only box tests and the first look at triangles may be inexact, and they err on the side of entering: boxes
+//! are padded, near planes are moved nearer and far planes farther by more than rounding (Ize, JCGT 2(2), 2013),
+//! and a triangle is ruled out for eight lanes at a time only where the error of its edge functions cannot
+//! matter. What is left is decided one by one by `shape::triangle`, in double precision.
 
 use std::marker::PhantomData;
 
@@ -14,8 +14,20 @@ use super::{Accel, Hit, PrimitiveId};
 use crate::shape::triangle::{Shear, TriangleHit};
 use crate::shape::{Ray, sphere};
 
-/// Slack of box distances, relative: more than three roundings on either side.
-const SLACK: f32 = 4.0 * f32::EPSILON;
+/// Slack of box distances, relative. It makes sure that a hit lies in the box of its triangle, so that no box
+/// hides a hit that is nearer than the best.
+///
+/// With u = EPSILON / 2, a ray that meets the projected triangle exactly passes within 4 u |x - o| of its point in
+/// each axis, by the rounding of x - o, of z - o, of the shear and of their product, and another u times the size of
+/// the triangle by the last difference; the distance itself has 2 u (the scale of z, the last rounding). Planes add
+/// 4 u (difference, product, reciprocal and its slack). That is 10 u of the distance, and 12 are taken; where the
+/// box straddles the origin of the ray, |x - o| is at most the size of the triangle, and what is relative to that
+/// is in the padding (`Aabb::padded`).
+const SLACK: f32 = 6.0 * f32::EPSILON;
+
+/// Bound on the error of an edge function of `f32`s, relative to the product of the largest projected x and y: two
+/// products, each at most that, and their difference round by 4 u, and as much again is for the bound's own rounding.
+const EDGE_ERROR: f32 = 4.0 * f32::EPSILON;
 
 struct Boxes {
     o: [f32; 3],
@@ -51,17 +63,16 @@ impl Boxes {
 }
 
 /// The packet's triangles as the sheared ray sees them.
-struct Seen<L> {
+struct Seen {
     /// x, y and z of each vertex, by lane.
-    p: [[L; 3]; 3],
-    /// Edge functions opposite to each vertex.
-    e: [L; 3],
+    p: [[F8; 3]; 3],
     /// Lanes that the ray may meet.
     mask: u32,
 }
 
+/// Projects a packet; `None` where the ray meets none of its triangles.
 #[inline(always)]
-fn see<L: Lanes>(shear: &Shear, packet: &Packet, t_max: f32) -> Seen<L> {
+fn see<L: Lanes>(shear: &Shear, packet: &Packet, t_max: f32) -> Option<Seen> {
     let axes = shear.axes;
     let s = [L::splat(shear.s[0]), L::splat(shear.s[1])];
     let o = [L::splat(shear.o[axes[0]]), L::splat(shear.o[axes[1]]), L::splat(shear.o[axes[2]])];
@@ -71,12 +82,24 @@ fn see<L: Lanes>(shear: &Shear, packet: &Packet, t_max: f32) -> Seen<L> {
     let u = c[0].mul(b[1]).sub(c[1].mul(b[0]));
     let v = a[0].mul(c[1]).sub(a[1].mul(c[0]));
     let w = b[0].mul(a[1]).sub(b[1].mul(a[0]));
-    // What is clearly behind the ray or beyond its end needs no closer look; the slack covers the
-    // rounding of the division that the scalar code does instead.
-    let det = u.add(v).add(w);
-    let t = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2])).mul(L::splat(shear.s[2]));
-    let mask = L::signs_agree(u, v, w) & L::ratio_within(t, det, t_max * (1.0 + SLACK)) & packet.used;
-    Seen { p: [a, b, c], e: [u, v, w], mask }
+    let x = a[0].abs().max(b[0].abs()).max(c[0].abs());
+    let y = a[1].abs().max(b[1].abs()).max(c[1].abs());
+    // The smallest normal number is for products that underflow.
+    let error = x.mul(L::splat(EDGE_ERROR)).mul(y).add(L::splat(f32::MIN_POSITIVE));
+    let mask = L::signs_may_agree(u, v, w, error) & packet.used;
+    if mask == 0 {
+        return None;
+    }
+    // The hit is not nearer than the nearest vertex and not beyond the farthest; the slack covers the rounding of
+    // the mean.
+    let scale = L::splat(shear.s[2]);
+    let (ta, tb, tc) = (a[2].mul(scale), b[2].mul(scale), c[2].mul(scale));
+    let (near, far) = (ta.min(tb).min(tc), ta.max(tb).max(tc));
+    let mask = mask & near.le(L::splat(t_max * (1.0 + SLACK))) & L::splat(0.0).le(far);
+    if mask == 0 {
+        return None;
+    }
+    Some(Seen { p: [store(a), store(b), store(c)], mask })
 }
 
 /// Vertices relative to the origin, permuted and sheared, as `Shear` does it with one.
@@ -86,26 +109,17 @@ fn project<L: Lanes>(v: &[F8; 3], [x, y, z]: [usize; 3], o: [L; 3], s: [L; 2]) -
     [L::load(&v[x]).sub(o[0]).sub(s[0].mul(az)), L::load(&v[y]).sub(o[1]).sub(s[1].mul(az)), az]
 }
 
-impl<L: Lanes> Seen<L> {
-    /// The same in memory, for a look at single lanes.
-    #[inline(always)]
-    fn store(&self) -> Seen<F8> {
-        let p = [0, 1, 2].map(|k: usize| [self.p[k][0].store(), self.p[k][1].store(), self.p[k][2].store()]);
-        Seen { p, e: [self.e[0].store(), self.e[1].store(), self.e[2].store()], mask: self.mask }
-    }
+#[inline(always)]
+fn store<L: Lanes>(v: [L; 3]) -> [F8; 3] {
+    [v[0].store(), v[1].store(), v[2].store()]
 }
 
-impl Seen<F8> {
+impl Seen {
     /// Decides one lane.
     #[inline(always)]
     fn hit(&self, shear: &Shear, lane: usize) -> Option<TriangleHit> {
-        let vertex = |k: usize| (self.p[k][0].0[lane], self.p[k][1].0[lane], self.p[k][2].0[lane]);
-        shear.decide(
-            vertex(0),
-            vertex(1),
-            vertex(2),
-            [self.e[0].0[lane], self.e[1].0[lane], self.e[2].0[lane]],
-        )
+        let vertex = |v: &[F8; 3]| [v[0].0[lane], v[1].0[lane], v[2].0[lane]];
+        shear.decide([vertex(&self.p[0]), vertex(&self.p[1]), vertex(&self.p[2])])
     }
 }
 
@@ -245,12 +259,8 @@ impl<L: Lanes, A: Accept> Visit for Primitives<'_, L, A> {
     fn leaf(&mut self, leaf: Leaf, t_max: &mut f32) -> bool {
         let tree = self.tree;
         for packet in &tree.packets[leaf.packets[0] as usize..leaf.packets[1] as usize] {
-            let seen = see::<L>(&self.shear, packet, *t_max);
+            let Some(seen) = see::<L>(&self.shear, packet, *t_max) else { continue };
             let mut mask = seen.mask;
-            if mask == 0 {
-                continue;
-            }
-            let seen = seen.store();
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize & 7;
                 mask &= mask - 1;

@@ -28,7 +28,8 @@ pub fn dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
     let cos_t = cos2_t.sqrt();
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    ((0.5 * (sqr(parallel) + sqr(perpendicular))).min(1.0), cos_t)
+    let r = (0.5 * (sqr(parallel) + sqr(perpendicular))).min(1.0);
+    (planted!(schlick_inside(r, cos_i, eta)), cos_t)
 }
 
 #[inline]

@@ -7,6 +7,7 @@
 use glam::Vec3;
 
 use crate::math::{INV_PI, safe_sqrt, sin_cos_turn, sqr};
+use crate::rare::rarely;
 
 /// Density of microfacet normals at `m`, sr^-1. Formed from the tangential components, which stay
 /// accurate for narrow lobes.
@@ -44,7 +45,9 @@ pub fn sample_visible_normal(wo: Vec3, alpha: f32, u: [f32; 2]) -> Vec3 {
     let r = safe_sqrt((1.0 - z) * (1.0 + z));
     let (s, c) = sin_cos_turn(u[1]);
     let h = Vec3::new(r * c, r * s, z) + stretched;
-    Vec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).try_normalize().unwrap_or(Vec3::Z)
+    let m = Vec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).try_normalize();
+    // Opposite directions of the cap add up to nothing.
+    if rarely!(1e-5, m.is_none()) { Vec3::Z } else { m.unwrap_or(Vec3::Z) }
 }
 
 /// Density of [`sample_visible_normal`] per solid angle of `m`, given `lambda_o` of `wo`.

@@ -26,6 +26,7 @@ pub use principled::{Principled, Specular};
 use glam::Vec3;
 
 use crate::color::Rgb;
+use crate::rare::rarely;
 
 /// GGX widths below this are treated as perfectly smooth. At 1e-4 the lobe is 0.01 degrees wide, and
 /// `f32` half vectors begin to be too coarse for it.
@@ -59,8 +60,9 @@ impl BsdfSample {
     /// `Some` only where weight and density are usable.
     #[inline]
     fn checked(self) -> Option<Self> {
-        (self.pdf > 0.0 && self.pdf.is_finite() && self.weight.is_finite() && !self.weight.is_black())
-            .then_some(self)
+        let unusable = !(self.pdf > 0.0 && self.pdf.is_finite() && self.weight.is_finite());
+        // What is dropped here is light that is lost.
+        (!rarely!(1e-5, unusable) && !self.weight.is_black()).then_some(self)
     }
 }
 

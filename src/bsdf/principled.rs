@@ -18,6 +18,7 @@ use super::tables::Albedo;
 use super::{BsdfSample, Diffuse, Glass, SMOOTH_ALPHA, Transport, ggx, same_side};
 use crate::color::Rgb;
 use crate::mutants::planted;
+use crate::rare::rarely;
 
 /// The dielectric specular layer.
 #[derive(Clone, Debug)]
@@ -276,7 +277,11 @@ impl Principled {
             if s.reflect > 0.0 && !self.is_smooth() {
                 let sign = 1.0f32.copysign(wo.z);
                 let (wo, wi) = (Vec3::new(wo.x, wo.y, wo.z * sign), Vec3::new(wi.x, wi.y, wi.z * sign));
-                if let Some(m) = (wo + wi).try_normalize() {
+                let half = (wo + wi).try_normalize();
+                let opposite = rarely!(1e-5, half.is_none());
+                if let Some(m) = half
+                    && !opposite
+                {
                     let (lo, li) = (ggx::lambda(wo, self.alpha), ggx::lambda(wi, self.alpha));
                     let d = ggx::d(m, self.alpha);
                     f += self.reflectance(wo.dot(m), s) * (d * ggx::g2(lo, li) / (4.0 * wo.z * wi.z));

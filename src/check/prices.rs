@@ -6,9 +6,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::random::Random;
+use super::triangles::slivers::{aimed_at, in_own_box};
 use crate::bsdf::fresnel;
 use crate::integrate::report::{
     Slips, moeller_trumbore, offset_along_normal, schlick_outside_angle, sphere_pq,
@@ -38,7 +39,7 @@ const CALLS: usize = 200_000;
 /// Measures all of them; takes about a second.
 #[must_use]
 pub fn prices() -> Vec<Price> {
-    vec![triangle(), sphere_test(), origin(), reflectance(), light()]
+    vec![triangle(), sliver(), sphere_test(), origin(), reflectance(), light()]
 }
 
 /// The fastest of a few passes over the inputs, nanoseconds a call: what else runs can only add to it.
@@ -93,11 +94,63 @@ fn triangle() -> Price {
     };
     let figures = [leaks(&shear), leaks(&direct)];
     Price {
-        choice: "watertight triangle test, exact where an edge is met",
+        choice: "watertight triangle test, in double precision",
         twin: "Moeller and Trumbore's",
         // Two triangles a call.
         ns: [0.5 * time(&inputs, shear), 0.5 * time(&inputs, direct)],
         prevents: "leaks of 1e6 rays at the edge between two triangles",
+        figures,
+    }
+}
+
+/// The watertight test as it was published: in single precision, and exact where an edge function is zero.
+fn in_single_precision(shear: &Shear, v: [Vec3; 3]) -> Option<f32> {
+    let [x, y, z] = shear.axes;
+    let [a, b, c] = v.map(|v| {
+        let v = v.to_array();
+        let az = v[z] - shear.o[z];
+        [v[x] - shear.o[x] - shear.s[0] * az, v[y] - shear.o[y] - shear.s[1] * az, az]
+    });
+    let edge = |a: [f32; 3], b: [f32; 3]| a[0] * b[1] - a[1] * b[0];
+    let mut e = [edge(c, b), edge(a, c), edge(b, a)];
+    if e.contains(&0.0) {
+        let exact = |a: [f32; 3], b: [f32; 3]| {
+            let [a, b] = [a, b].map(|v| v.map(f64::from));
+            (a[0] * b[1] - a[1] * b[0]) as f32
+        };
+        e = [exact(c, b), exact(a, c), exact(b, a)];
+    }
+    let det = e[0] + e[1] + e[2];
+    if (e.iter().any(|&e| e < 0.0) && e.iter().any(|&e| e > 0.0)) || det == 0.0 {
+        return None;
+    }
+    let t = (e[0] * a[2] + e[1] * b[2] + e[2] * c[2]) * shear.s[2] / det;
+    (t > 0.0 && t < f32::INFINITY).then_some(t)
+}
+
+/// A ray, and the triangle that it is aimed at.
+type Aimed = (Ray, [Vec3; 3]);
+
+/// Rays at triangles 1e-7 as high as they are long.
+fn sliver() -> Price {
+    let mut random = Random::of("price of a sliver");
+    let input = |_| {
+        let flat = [DVec3::ZERO, DVec3::X, DVec3::new(random.unit(), 1e-7, 0.0)];
+        aimed_at(&mut random, flat, 1.0, 1.0)
+    };
+    let inputs: Vec<Aimed> = (0..CALLS).filter_map(input).collect();
+    let robust = |(ray, v): &Aimed| Shear::new(ray).intersect(v[0], v[1], v[2]).map(|h| h.t);
+    let cheap = |(ray, v): &Aimed| in_single_precision(&Shear::new(ray), *v);
+    let outside = |t: &dyn Fn(&Aimed) -> Option<f32>| {
+        let beyond = |i: &&Aimed| t(i).is_some_and(|t| !in_own_box(&i.0, i.1, t.into()));
+        1e6 * inputs.iter().filter(beyond).count() as f64 / inputs.len() as f64
+    };
+    let figures = [outside(&robust), outside(&cheap)];
+    Price {
+        choice: "watertight triangle test, in double precision",
+        twin: "in single precision, exact where an edge is met",
+        ns: [time(&inputs, robust), time(&inputs, cheap)],
+        prevents: "hits of 1e6 rays beyond a triangle that is 1e-7 as high as it is long",
         figures,
     }
 }
@@ -221,8 +274,9 @@ mod tests {
     fn twins_lose_what_is_said() {
         let prices = prices();
         let figures: Vec<[f64; 2]> = prices.iter().map(|p| p.figures).collect();
-        let [triangle, sphere, origin, fresnel, light] = figures[..] else { panic!("{figures:?}") };
+        let [triangle, sliver, sphere, origin, fresnel, light] = figures[..] else { panic!("{figures:?}") };
         assert!(triangle[0] == 0.0 && triangle[1] > 1e4, "{triangle:?}");
+        assert!(sliver[0] == 0.0 && sliver[1] > 100.0, "{sliver:?}");
         assert!(sphere[0] == 0.0 && sphere[1] > 1e4, "{sphere:?}");
         assert!(origin[0] < 1e-5 && origin[1] > 1e3, "{origin:?}");
         assert!(fresnel[0] < 4e-6 && fresnel[1] > 0.03, "{fresnel:?}");

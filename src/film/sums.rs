@@ -170,10 +170,11 @@ impl Film {
         }
         let k = self.layout.replications;
         let cell = pixel * k as usize + (pass % k) as usize;
-        for (sum, v) in self.sums[cell].iter_mut().zip(c) {
-            *sum += format.encode(v);
-        }
         self.counts[cell] += 1;
+        for (sum, v) in self.sums[cell].iter_mut().zip(c) {
+            let with = *sum + format.encode(v);
+            *sum = planted!(running_mean(with, *sum, self.counts[cell]));
+        }
         if let Some(sums) = &mut self.layers {
             for (sum, part) in sums.sums[pixel].iter_mut().zip(sample.layers.unwrap_or_default()) {
                 for (sum, v) in sum.iter_mut().zip(part.to_array()) {

@@ -10,6 +10,7 @@ use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::Frame;
 use crate::mutants::planted;
+use crate::rare::rarely;
 use crate::sampling::warp::{
     SQUARE_TO_SPHERE_PDF, square_to_cone, square_to_cone_pdf, square_to_cosine_hemisphere,
     square_to_cosine_hemisphere_pdf, square_to_sphere,
@@ -565,7 +566,8 @@ fn surface(
     let d = to - from;
     let shadow_ray = Ray { o: from, d: d.try_normalize()?, t_max: d.length() };
     let weight = planted!(light_energy(radiance)) * (factor / pdf);
-    (pdf.is_finite() && factor > 0.0).then_some(LightSample {
+    let unusable = rarely!(1e-5, !pdf.is_finite());
+    (factor > 0.0 && !unusable).then_some(LightSample {
         wi,
         weight,
         pdf,

@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 
 use super::SurfaceSample;
 use crate::math::{self, sin_cos};
+use crate::rare::rarely;
 use crate::sampling::warp::square_to_triangle;
 use crate::shape::triangle;
 
@@ -81,7 +82,7 @@ impl TriangleLight {
         let wa = w.dot(rb.cross(rc));
         let sum = wa + wb + wc;
         let (b1, b2) = (wb / sum, wc / sum);
-        if !(b1.is_finite() && b2.is_finite()) {
+        if rarely!(1e-5, !(b1.is_finite() && b2.is_finite())) {
             return None;
         }
         let b1 = b1.clamp(0.0, 1.0);

@@ -138,3 +138,64 @@ pub(crate) fn area_sampling(small: bool) -> bool {
 pub(crate) fn nan_black(channels: [f32; 3]) -> [f32; 3] {
     spoil(Mutant::NanBlack, channels, |c| if c.iter().any(|v| v.is_nan()) { [0.0; 3] } else { c })
 }
+
+/// The step off a surface, metres.
+#[inline]
+pub(crate) fn fixed_epsilon(step: f32) -> f32 {
+    spoil(Mutant::FixedEpsilon, step, |_| 1e-4)
+}
+
+/// Where a ray along z meets a triangle of projected vertices; a distance of one is `1 / scale` along z.
+#[inline]
+pub(crate) fn moeller_trumbore<H>(
+    found: Option<H>,
+    vertices: [[f32; 3]; 3],
+    scale: f32,
+    hit: impl FnOnce([f32; 3]) -> H,
+) -> Option<H> {
+    spoil(Mutant::MoellerTrumbore, found, |_| {
+        let [v0, v1, v2] = vertices.map(Vec3::from_array);
+        let (e1, e2) = (v1 - v0, v2 - v0);
+        let p = Vec3::Z.cross(e2);
+        let q = (-v0).cross(e1);
+        let [t, u, v] = [q.dot(e2) * scale, p.dot(-v0), q.z].map(|x| x / p.dot(e1));
+        (t > 0.0 && t < f32::INFINITY && u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| hit([t, u, v]))
+    })
+}
+
+/// Where the line of a ray from `o` along `d` meets the sphere.
+#[inline]
+pub(crate) fn sphere_pq(
+    found: Option<(f64, f64)>,
+    o: Vec3,
+    d: Vec3,
+    center: Vec3,
+    radius: f32,
+) -> Option<(f64, f64)> {
+    spoil(Mutant::SpherePq, found, |_| {
+        let m = o - center;
+        let half_p = d.dot(m);
+        let root = (half_p * half_p - (m.dot(m) - radius * radius)).sqrt();
+        (root >= 0.0).then(|| (f64::from(-half_p - root), f64::from(-half_p + root)))
+    })
+}
+
+/// Reflectance of a dielectric.
+#[inline]
+pub(crate) fn schlick_inside(r: f32, cos_i: f32, eta: f32) -> f32 {
+    spoil(Mutant::SchlickInside, r, |_| {
+        let f0 = (eta - 1.0) / (eta + 1.0);
+        let rest = 1.0 - cos_i;
+        f0 * f0 + (1.0 - f0 * f0) * (rest * rest) * (rest * rest) * rest
+    })
+}
+
+/// The sum of the `n` samples of a cell, of which the last one made it from `before`.
+#[inline]
+pub(crate) fn running_mean(sum: i128, before: i128, n: u32) -> i128 {
+    spoil(Mutant::RunningMean, sum, |sum| {
+        let mean = if n > 1 { (before / i128::from(n - 1)) as f32 } else { 0.0 };
+        let mean = mean + ((sum - before) as f32 - mean) / n as f32;
+        (mean as i128).saturating_mul(i128::from(n))
+    })
+}

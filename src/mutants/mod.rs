@@ -1,4 +1,4 @@
-//! Deliberate faults, by which the golden tests are tested: a suite that cannot fail proves nothing.
+//! Deliberate faults, by which golden tests and hard cases are tested: a suite that cannot fail proves nothing.
 //!
 //! `planted!(name(x, ..))` marks a place where a fault can be. It *is* `x`: the macro drops everything else,
 //! so code reads as if only `x` stood there, and compiles as if it did. Who wants to understand the renderer
@@ -6,8 +6,8 @@
 //!
 //! Built with `--cfg epsilux_mutants` the same words call the function `name` of `faults`, which spoils `x`
 //! where the environment variable `EPSILUX_MUTANT` names its `Mutant`, and leaves it alone otherwise. `list`
-//! says which there are, what each does and which gate has to notice; `cargo xtask golden mutate` goes through
-//! them. The invariant: no release has any of it, since this does not compile without debug assertions.
+//! says which there are, what each does and which gates and hard cases have to notice; `cargo xtask golden mutate`
+//! and `cargo xtask hard --mutants` go through them. The invariant: no release has any of it, since this does not compile without debug assertions.
 
 #[cfg(all(epsilux_mutants, not(debug_assertions)))]
 compile_error!(

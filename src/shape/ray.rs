@@ -41,6 +41,6 @@ impl Ray {
 #[inline]
 #[must_use]
 pub fn offset_origin(p: Vec3, p_err: Vec3, ng: Vec3, w: Vec3) -> Vec3 {
-    let step = planted!(origin_offset(ng.abs().dot(p_err)));
+    let step = planted!(fixed_epsilon(planted!(origin_offset(ng.abs().dot(p_err)))));
     p + ng * step.copysign(w.dot(ng))
 }

@@ -9,6 +9,7 @@ use glam::{DVec3, Vec3};
 
 use super::Ray;
 use crate::math::gamma;
+use crate::mutants::planted;
 
 /// Distances at which the line of `ray` enters and leaves the sphere; `None` where it misses.
 /// Either may be negative or zero.
@@ -43,7 +44,8 @@ pub fn first_hit(ray: &Ray, center: Vec3, radius: f32, leaving: bool) -> Option<
             return None;
         }
     }
-    let (t0, t1) = intersect(ray, center, radius)?;
+    let met = intersect(ray, center, radius);
+    let (t0, t1) = planted!(sphere_pq(met, ray.o, ray.d, center, radius))?;
     let t = if t0 > 0.0 && !leaving { t0 } else { t1 };
     let t = t as f32;
     (t > 0.0 && t < f32::INFINITY).then_some(t)

@@ -1,14 +1,19 @@
-//! The watertight ray-triangle test (Woop, Benthin and Wald, JCGT 2(1), 2013).
+//! The watertight ray-triangle test (Woop, Benthin and Wald, JCGT 2(1), 2013), decided exactly.
 //!
-//! Two triangles that share an edge compute its edge function from the same numbers, so a ray cannot
-//! pass between them. Where an edge function is exactly zero it is computed again in `f64`, in which
-//! the products are exact. No fused multiply-add may enter: antisymmetry under exchange of the two
-//! vertices is what closes the edge.
+//! A vertex is projected along the ray by itself, so all triangles around it see it in the same place. The
+//! edge functions are computed in `f64`, in which the products of two `f32` are exact and a difference has the
+//! right sign: a ray is in a projected triangle or it is not, and cannot pass between triangles that share an
+//! edge or a vertex. The paper does so only where an edge function is zero in `f32`; but on a triangle that
+//! looks thin all three are as small as their rounding, its signs are chance, and rays met such triangles beyond
+//! their tip. With exact signs a ray meets a triangle only where rounding of the vertices alone puts it, which
+//! the slack of the boxes covers (`accel`), and the distance is a mean of the vertices' with weights that are
+//! exact but for their last place.
 
 use glam::Vec3;
 
 use super::Ray;
 use crate::math::gamma;
+use crate::mutants::planted;
 
 /// A ray prepared for the test: the axis in which it is longest becomes z, and a shear makes it
 /// point along that axis.
@@ -55,39 +60,37 @@ impl Shear {
         Self { axes: [x, y, z], s: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]], o: ray.o.to_array() }
     }
 
-    /// Sheared x and y of a vertex relative to the origin.
+    /// Sheared x and y of a vertex relative to the origin, and its unsheared z.
     #[inline(always)]
-    fn project(&self, v: Vec3) -> (f32, f32, f32) {
+    fn project(&self, v: Vec3) -> [f32; 3] {
         let v = v.to_array();
         let [x, y, z] = self.axes;
         let az = v[z] - self.o[z];
-        (v[x] - self.o[x] - self.s[0] * az, v[y] - self.o[y] - self.s[1] * az, az)
+        [v[x] - self.o[x] - self.s[0] * az, v[y] - self.o[y] - self.s[1] * az, az]
     }
 
     /// The triangle `v0 v1 v2`, either side, at a distance in (0, inf).
     #[inline]
     #[must_use]
     pub fn intersect(&self, v0: Vec3, v1: Vec3, v2: Vec3) -> Option<TriangleHit> {
-        let (a, b, c) = (self.project(v0), self.project(v1), self.project(v2));
-        let u = c.0 * b.1 - c.1 * b.0;
-        let v = a.0 * c.1 - a.1 * c.0;
-        let w = b.0 * a.1 - b.1 * a.0;
-        self.decide(a, b, c, [u, v, w])
+        self.decide([v0, v1, v2].map(|v| self.project(v)))
     }
 
-    /// Decides from the projected vertices (x, y, z) and the edge functions opposite to them.
+    /// Decides from the projected vertices.
     #[inline(always)]
     #[must_use]
-    pub fn decide(
-        &self,
-        a: (f32, f32, f32),
-        b: (f32, f32, f32),
-        c: (f32, f32, f32),
-        [mut u, mut v, mut w]: [f32; 3],
-    ) -> Option<TriangleHit> {
-        if u == 0.0 || v == 0.0 || w == 0.0 {
-            [u, v, w] = exact_edges(a, b, c);
-        }
+    pub fn decide(&self, vertices: [[f32; 3]; 3]) -> Option<TriangleHit> {
+        let met = self.exactly(vertices);
+        planted!(moeller_trumbore(met, vertices, self.s[2], |[t, b1, b2]| TriangleHit { t, b1, b2 }))
+    }
+
+    #[inline(always)]
+    fn exactly(&self, vertices: [[f32; 3]; 3]) -> Option<TriangleHit> {
+        let [a, b, c] = vertices.map(|v| v.map(f64::from));
+        // Opposite to each vertex; no product is too small or too large for double precision.
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
@@ -96,19 +99,14 @@ impl Shear {
             return None;
         }
         let inv = 1.0 / det;
-        let t = (u * a.2 + v * b.2 + w * c.2) * self.s[2] * inv;
+        let t = ((u * a[2] + v * b[2] + w * c[2]) * inv * f64::from(self.s[2])) as f32;
         // Written so that NaN misses.
-        (t > 0.0 && t < f32::INFINITY).then_some(TriangleHit { t, b1: v * inv, b2: w * inv })
+        (t > 0.0 && t < f32::INFINITY).then_some(TriangleHit {
+            t,
+            b1: (v * inv) as f32,
+            b2: (w * inv) as f32,
+        })
     }
-}
-
-/// The edge functions in `f64`, in which the products are exact.
-#[cold]
-#[inline(never)]
-fn exact_edges(a: (f32, f32, f32), b: (f32, f32, f32), c: (f32, f32, f32)) -> [f32; 3] {
-    let exact =
-        |a: f32, b: f32, c: f32, d: f32| (f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d)) as f32;
-    [exact(c.0, b.1, c.1, b.0), exact(a.0, c.1, a.1, c.0), exact(b.0, a.1, b.1, a.0)]
 }
 
 /// The point with barycentric coordinates (1 - b1 - b2, b1, b2), and a bound on the error of each of

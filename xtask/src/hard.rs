@@ -16,7 +16,7 @@ pub(crate) struct Arguments {
     /// A hundred times the rays
     #[arg(long)]
     nightly: bool,
-    /// Plant faults, and say which cases notice each
+    /// Plant faults; each must be noticed by the cases that it names
     #[arg(long)]
     mutants: bool,
 }
@@ -38,6 +38,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     if status.success() { Ok(()) } else { Err("some hard cases do not hold".to_owned()) }
 }
 
+/// Goes through the mutants. One that names hard cases must be noticed by each of them, as far as they are chosen;
+/// whoever else notices is printed, since it says what a case is good for.
 fn mutants(root: &std::path::Path, arguments: &Arguments) -> Result<(), String> {
     let program = build(root)?;
     let broken = |mutant: &str| -> Result<Vec<String>, String> {
@@ -51,20 +53,24 @@ fn mutants(root: &std::path::Path, arguments: &Arguments) -> Result<(), String> 
     if !sound.is_empty() {
         return Err(format!("the sound program fails {}", sound.join(", ")));
     }
-    let mut survivors = Vec::new();
+    let chosen = |id: &str| arguments.cases.is_empty() || arguments.cases.iter().any(|c| c == id);
+    let (mut survivors, mut named) = (Vec::new(), 0);
+    println_line("mutant                  noticed by (cases that have to | all others)");
     for mutant in Mutant::ALL {
-        let cases = broken(mutant.name())?;
-        let said = if cases.is_empty() { "no case".to_owned() } else { cases.join(", ") };
-        println_line(&format!("{:<23} {said}", mutant.name()));
-        if cases.is_empty() {
-            survivors.push(mutant.name());
+        let noticed = broken(mutant.name())?;
+        let has_to = |id: &String| mutant.cases().contains(&id.as_str());
+        let (expected, others): (Vec<String>, Vec<String>) = noticed.iter().cloned().partition(has_to);
+        println_line(&format!("{:<23} {} | {}", mutant.name(), expected.join(" "), others.join(" ")));
+        named += usize::from(!mutant.cases().is_empty());
+        let missing: Vec<&str> =
+            mutant.cases().iter().copied().filter(|c| chosen(c) && !noticed.iter().any(|n| n == c)).collect();
+        if !missing.is_empty() {
+            survivors.push(format!("{} ({}): not by {}", mutant.name(), mutant.what(), missing.join(", ")));
         }
     }
     println_line(&format!(
-        "{} of {} mutants are noticed by a hard case; not by any: {}",
-        Mutant::ALL.len() - survivors.len(),
-        Mutant::ALL.len(),
-        if survivors.is_empty() { "none".to_owned() } else { survivors.join(", ") }
+        "{} of {named} mutants that name hard cases are noticed by each of these",
+        named - survivors.len()
     ));
-    Ok(())
+    if survivors.is_empty() { Ok(()) } else { Err(format!("survived:\n  {}", survivors.join("\n  "))) }
 }

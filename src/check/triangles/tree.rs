@@ -10,7 +10,7 @@ use crate::shape::Ray;
 use crate::shape::triangle::Shear;
 
 /// The first hit by trying all triangles.
-pub(super) fn brute_force(g: &Geometry, ray: &Ray) -> Option<Hit> {
+fn brute_force(g: &Geometry, ray: &Ray) -> Option<Hit> {
     let shear = Shear::new(ray);
     let mut best: Option<Hit> = None;
     for primitive in 0..g.triangles.len() as u32 {
@@ -25,14 +25,14 @@ pub(super) fn brute_force(g: &Geometry, ray: &Ray) -> Option<Hit> {
 }
 
 /// A tree, walked by the kernel of this machine and by the portable one.
-struct Trees {
+pub(super) struct Trees {
     own: Accel,
     portable: Accel,
 }
 
 /// What was compared.
 #[derive(Default)]
-struct Compared {
+pub(super) struct Compared {
     rays: u64,
     found: u64,
     different: u64,
@@ -41,15 +41,19 @@ struct Compared {
 }
 
 impl Trees {
-    fn over(geometry: Geometry) -> Self {
+    pub(super) fn over(geometry: Geometry) -> Self {
         let own = Accel::new(geometry, Vec::new(), &[]);
         Self { portable: own.clone().portable(), own }
+    }
+
+    pub(super) fn geometry(&self) -> &Geometry {
+        self.own.geometry(0)
     }
 }
 
 impl Compared {
-    fn add(&mut self, trees: &Trees, ray: &Ray) {
-        let expected = brute_force(trees.own.geometry(0), ray);
+    pub(super) fn add(&mut self, trees: &Trees, ray: &Ray) {
+        let expected = brute_force(trees.geometry(), ray);
         let closest = |a: &Accel| a.closest(ray, PrimitiveId::NONE, RayKind::Other);
         let shadow = expected.is_some_and(|h| h.t < ray.t_max);
         self.rays += 1;
@@ -59,7 +63,7 @@ impl Compared {
         self.different_shadows += u64::from(trees.own.occluded(ray, [PrimitiveId::NONE; 2]) != shadow);
     }
 
-    fn figures(&self, what: &str, least: f64) -> Vec<Figure> {
+    pub(super) fn figures(&self, what: &str, least: f64) -> Vec<Figure> {
         let n = self.rays;
         let count = |who: &str, v: u64| {
             Figure::exactly(format!("{who} other than by brute force, {n} rays, {what}"), v as f64, 0.0)
@@ -138,7 +142,7 @@ pub(super) fn soup(effort: Effort) -> Vec<Figure> {
     let mut compared = Compared::default();
     for i in 0..effort.trials(1_800) {
         let o = DVec3::from_array([0; 3].map(|_| r.between(-75.0, 75.0))).as_vec3();
-        let v = trees.own.geometry(0).vertices((r.unit() * 10_000.0) as u32);
+        let v = trees.geometry().vertices((r.unit() * 10_000.0) as u32);
         let target = at(v, barycentric(&mut r));
         let ray = if i % 2 == 0 { aimed(o, target) } else { Some(Ray::new(o, r.direction())) };
         let Some(mut ray) = ray else { continue };

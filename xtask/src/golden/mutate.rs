@@ -16,7 +16,7 @@ use serde_json::Value;
 use super::{Bench, QUICK, array, json, println_line, text};
 pub(crate) use list::Mutant;
 
-/// Plant faults, and say which gate notices each.
+/// Plant the faults that golden tests have to notice, and say which gate notices each.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// Mutants [default: all]
@@ -35,7 +35,11 @@ pub(super) struct Arguments {
 
 /// Runs the chore; an error is a message for people.
 pub(super) fn run(bench: &Bench, arguments: &Arguments) -> Result<(), String> {
-    let chosen = |m: &Mutant| arguments.mutants.is_empty() || arguments.mutants.iter().any(|n| n == m.name());
+    // Without a choice, those that gates have to notice.
+    let chosen = |m: &Mutant| match arguments.mutants.as_slice() {
+        [] => !m.gates().is_empty(),
+        names => names.iter().any(|n| n == m.name()),
+    };
     if let Some(unknown) =
         arguments.mutants.iter().find(|n| Mutant::ALL.iter().all(|m| m.name() != n.as_str()))
     {
@@ -55,15 +59,19 @@ pub(super) fn run(bench: &Bench, arguments: &Arguments) -> Result<(), String> {
             "{:<23} {:>7.1}  {refused:>6}  {} | {}",
             mutant.name(),
             begin.elapsed().as_secs_f64(),
-            if named.is_empty() { "SURVIVED".to_owned() } else { named.join("; ") },
+            match named.as_slice() {
+                [] if mutant.gates().is_empty() => "none has to".to_owned(),
+                [] => "SURVIVED".to_owned(),
+                named => named.join("; "),
+            },
             others.join(", ")
         ));
-        if named.is_empty() {
+        if named.is_empty() && !mutant.gates().is_empty() {
             survivors.push(format!(
                 "{} ({}): expected {}",
                 mutant.name(),
                 mutant.what(),
-                mutant.killed_by().join(" or ")
+                mutant.gates().join(" or ")
             ));
         }
     }
@@ -131,7 +139,7 @@ fn gates(said: &Value, mutant: Mutant) -> (usize, Vec<String>, Vec<String>) {
         refused += 1;
         for reason in array(scene, "reasons") {
             let gate = text(reason, "gate");
-            if mutant.killed_by().iter().any(|k| gate.starts_with(k)) {
+            if mutant.gates().iter().any(|k| gate.starts_with(k)) {
                 if named.is_empty() {
                     named.push(format!("{}: {gate}: {}", text(scene, "name"), text(reason, "message")));
                 }
