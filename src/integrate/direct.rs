@@ -7,7 +7,7 @@ use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
 use crate::light::{LightContext, LightSample};
 use crate::mutants::planted;
-use crate::prepare::{Detail, Effect, Effects, Prepared};
+use crate::prepare::{Detail, Effect, Prepared};
 use crate::shape::{Ray, offset_origin};
 
 /// The share of a sample found with density `own` where the other way would have found it with density
@@ -38,17 +38,16 @@ pub(super) fn direct_light<const FX: u32>(
     u: [f32; 4],
     counters: &mut Counters,
 ) -> Rgb {
+    let fx = scene.simulated::<FX>();
     let Some(light) = scene.lights.sample(context, [u[0], u[1], u[2]]) else { return Rgb::BLACK };
-    let Some((f, pdf)) = scatter::f_and_pdf::<FX>(bsdf, frame, light.wi, Transport::Radiance) else {
+    let Some((f, pdf)) = scatter::f_and_pdf(fx, bsdf, frame, light.wi, Transport::Radiance) else {
         return Rgb::BLACK;
     };
     let weight = if light.delta { 1.0 } else { mis_weight(light.pdf, pdf) };
     let cos = planted!(cosine_dropped(light.wi.dot(frame.ns()).abs()));
     let mut ld = f * light.weight * (cos * weight);
-    if const {
-        let fx = Effects(FX);
-        fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy)
-    } && light.target != PrimitiveId::NONE
+    if (fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy))
+        && light.target != PrimitiveId::NONE
     {
         ld *= emitted_share(scene, &light);
     }
@@ -57,7 +56,7 @@ pub(super) fn direct_light<const FX: u32>(
     }
     let between = [context.from, light.target];
     counters.rays += 1;
-    if const { Effects(FX).has(Effect::Cutouts) } && scene.has_cutouts() {
+    if fx.has(Effect::Cutouts) && scene.has_cutouts() {
         ld *= passed(scene, light.shadow_ray, between, counters);
         if ld.is_black() {
             return Rgb::BLACK;
@@ -65,7 +64,7 @@ pub(super) fn direct_light<const FX: u32>(
     } else if scene.accel.occluded(&light.shadow_ray, between) {
         return Rgb::BLACK;
     }
-    if const { Effects(FX).has(Effect::Absorption) }
+    if fx.has(Effect::Absorption)
         && let Some(medium) = media[usize::from(context.crosses(light.wi))]
     {
         ld *= interior(scene, medium, light.shadow_ray.t_max);
