@@ -6,7 +6,7 @@
 //! meet, and tests forget each to see the picture change. Lights are told apart by what they are compiled to,
 //! so that analysis and compilation cannot disagree.
 
-use super::choices::{choices, unseen};
+use super::choices::{casters, choices, unseen};
 use super::fold::{Folded, Uses, fold, has_surface};
 use super::lights::{self, effect_of};
 use super::material::{self, Numbers};
@@ -83,13 +83,13 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     }
     let left_out = found.left_out();
     let needs: Vec<Need> = found.needs.into_iter().flatten().collect();
-    let unseen = unseen(scene, &folded);
+    let casters = casters(scene, &folded);
     let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
     let mut plan = Plan {
-        choices: choices(scene, &folded, pixels),
+        choices: choices(scene, &folded, &casters, pixels),
         needs,
         left_out,
-        unseen,
+        unseen: unseen(scene, &folded, &casters),
         tables: Effects::default(),
         kernel: 0,
         replications: replications(pixels),

@@ -16,9 +16,9 @@ use crate::scene::{MaterialKind, Scene};
 /// and 5 with the throughput itself, and no roulette.
 pub const ROULETTE_START: u32 = 4;
 
-/// The decisions for a picture of so many pixels.
-pub(super) fn choices(scene: &Scene, folded: &Folded<'_>, pixels: u64) -> Vec<Choice> {
-    vec![light_choice(scene, folded), caustics(scene, folded), roulette(), means(pixels)]
+/// The decisions for a picture of so many pixels, where the materials `casters` focus light.
+pub(super) fn choices(scene: &Scene, folded: &Folded<'_>, casters: &[usize], pixels: u64) -> Vec<Choice> {
+    vec![light_choice(scene, folded), caustics(casters), roulette(), means(pixels)]
 }
 
 /// How the light is chosen that is sampled at a hit.
@@ -43,9 +43,8 @@ fn light_choice(scene: &Scene, folded: &Folded<'_>) -> Choice {
 }
 
 /// Who finds the light that mirrors and clear glass focus.
-fn caustics(scene: &Scene, folded: &Folded<'_>) -> Choice {
-    let casters = casters(scene, folded).len();
-    let (chosen, reason) = match casters {
+fn caustics(casters: &[usize]) -> Choice {
+    let (chosen, reason) = match casters.len() {
         0 => ("none", "no surface is so smooth that it would focus light"),
         _ => ("paths", "after a smooth surface light is met by chance; the smaller the lights, the noisier"),
     };
@@ -72,7 +71,7 @@ fn means(pixels: u64) -> Choice {
 
 /// Materials in use that send light on in a single direction: mirrors, clear glass, clear coats. What they
 /// focus is a caustic.
-fn casters(scene: &Scene, folded: &Folded<'_>) -> Vec<usize> {
+pub(super) fn casters(scene: &Scene, folded: &Folded<'_>) -> Vec<usize> {
     let casts = |kind: &MaterialKind| match kind {
         MaterialKind::Mirror { color } => !color.is_black(),
         MaterialKind::Glass(_) => true,
@@ -92,20 +91,19 @@ fn casters(scene: &Scene, folded: &Folded<'_>) -> Vec<usize> {
 
 /// What no path finds: light of points and single directions that reaches a surface by way of a mirror or clear
 /// glass. A path leaves those in one direction, and hits a point with probability zero.
-pub(super) fn unseen(scene: &Scene, folded: &Folded<'_>) -> Vec<Unseen> {
+pub(super) fn unseen(scene: &Scene, folded: &Folded<'_>, casters: &[usize]) -> Vec<Unseen> {
     let is_delta = |light: &&crate::scene::Light| {
         lights::free(light).is_some_and(|e| effect_of(&e) == Effect::DeltaLights)
     };
     let spreads = |i: &usize| folded.uses[*i].used && material::spreads(&folded.kinds[*i]);
     let mut lights = scene.lights.iter().filter(is_delta);
-    let casters = casters(scene, folded);
     let (Some(light), Some(&caster)) = (lights.next(), casters.first()) else { return Vec::new() };
     if !(0..scene.materials.len()).any(|i| spreads(&i)) {
         return Vec::new();
     }
     let more = |n: usize| if n > 0 { format!(" (and {n} more)") } else { String::new() };
     let reason = format!(
-        "light \"{}\"{} by way of material \"{}\"{}: no path from the camera meets a point",
+        "light \"{}\"{} by way of material \"{}\"{}: no path from the camera meets a point or a single direction",
         light.name,
         more(lights.count()),
         scene.materials[caster].name,

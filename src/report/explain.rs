@@ -227,7 +227,15 @@ mod tests {
             replications: 4,
         };
         let explanation = Explanation::new(&plan, &notes);
-        insta::assert_snapshot!(explanation.to_string(), @"");
+        insta::assert_snapshot!(explanation.to_string(), @r#"
+        simulated     mirror            material "Ü" (and 2 more)
+        left out      lens              the camera is a pinhole
+        not modelled  caustics          light "L"
+        not modelled  skin-ignored      nodes[3]: is lost
+        differs       tangents-invalid  nodes[3]: is lost
+        kernel        report            the smallest that simulates all of this
+        algorithm     light             none: there is no light
+        "#);
         let mut bare = String::new();
         for part in explanation.coloured().split('\u{1b}') {
             bare += part.strip_prefix('[').and_then(|p| p.split_once('m')).map_or(part, |(_, rest)| rest);

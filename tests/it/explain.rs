@@ -48,13 +48,14 @@ const IDLE: &str = r#"
 epsilux = 1
 material.floor = { diffuse = [0.5, 0.5, 0.5] }
 material.brass = { principled = { metallic = 1.0 } }
+material.lamp = { light = [5, 5, 5] }
 material.void = { mirror = [0, 0, 0] }
 material.water = { glass = { ior = 1.33, absorption = { color = [1, 1, 1], distance = 1.0 } } }
 environment = { radiance = [0, 0, 0] }
 camera.a = { eye = [0, 1, 5], target = [0, 0, 0], fov = 40 }
 [[object]]
 material = "floor"
-rect = { center = [0, 0, 0], u = [4, 0, 0], v = [0, 0, -4] }
+rect = { corner = [-2, 0, -2], edges = [[0, 0, 4], [4, 0, 0]] }
 [[object]]
 material = "void"
 sphere = { radius = 1 }
@@ -62,7 +63,7 @@ sphere = { radius = 1 }
 material = "water"
 sphere = { center = [2, 1, 0], radius = 1 }
 [[object]]
-material = { light = [5, 5, 5] }
+material = "lamp"
 sphere = { center = [0, 5, 0], radius = 1 }
 [[light]]
 name = "fill"
@@ -89,10 +90,19 @@ fn light_that_no_path_finds_is_said() {
     let folder = Folder::new();
     let unseen = |name: &str, light: &str, material: &str| {
         let scene = format!(
-            "epsilux = 1\ncamera.a = {{ eye = [0, 1, 5], target = [0, 0, 0], fov = 40 }}
-[[light]]\n{light}\n[[object]]\nname = \"ball\"\nmaterial = {material}\nsphere = {{ radius = 1 }}
-[[object]]\nname = \"floor\"\nmaterial = {{ diffuse = [0.5, 0.5, 0.5] }}
-rect = {{ center = [0, -1, 0], u = [4, 0, 0], v = [0, 0, -4] }}\n"
+            "epsilux = 1
+material.ball = {material}
+material.floor = {{ diffuse = [0.5, 0.5, 0.5] }}
+camera.a = {{ eye = [0, 1, 5], target = [0, 0, 0], fov = 40 }}
+[[light]]
+{light}
+[[object]]
+material = \"ball\"
+sphere = {{ radius = 1 }}
+[[object]]
+material = \"floor\"
+rect = {{ corner = [-2, -1, -2], edges = [[0, 0, 4], [4, 0, 0]] }}
+"
         );
         folder.write(name, scene);
         let out = folder.done(&format!("explain {name}")).out;
