@@ -196,7 +196,9 @@ pub(super) struct RenderArgs {
 /// Most samples per pixel of one render.
 pub(super) const MAX_SAMPLES: u32 = 1 << 24;
 
-/// Say what would be simulated, what is left out, and why
+/// Say what would be simulated, what is left out, what is not modelled, and why
+///
+/// Nothing is rendered. The same is in the files that `render` writes, as the attribute `plan`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -423,7 +425,7 @@ pub(super) enum EffectsArg {
     /// The smallest that covers the scene
     #[default]
     Auto,
-    /// The one that simulates everything
+    /// The one that simulates everything, with every table built; the picture is the same, bit for bit
     All,
 }
 

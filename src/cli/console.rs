@@ -7,17 +7,26 @@ use super::failure::Failure;
 /// Where results and messages go.
 pub(super) struct Console {
     colours: bool,
+    result_colours: bool,
 }
 
 impl Console {
     pub(super) fn new() -> Self {
         let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-        Self { colours: io::stderr().is_terminal() && !no_color }
+        Self {
+            colours: io::stderr().is_terminal() && !no_color,
+            result_colours: io::stdout().is_terminal() && !no_color,
+        }
     }
 
     /// Whether messages may be coloured, and bars drawn.
     pub(super) fn colours(&self) -> bool {
         self.colours
+    }
+
+    /// Whether results may be coloured.
+    pub(super) fn result_colours(&self) -> bool {
+        self.result_colours
     }
 
     /// A result, on standard output, with a line break after it. A reader that has gone away ends the

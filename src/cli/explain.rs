@@ -1,16 +1,16 @@
 //! `epsilux explain`
 
 use serde::Serialize;
+use sha2::{Digest as _, Sha256};
 
 use super::args::ExplainArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::machine::PlanJson;
 use super::notes::{self, NoteJson};
 use super::schema::to_json;
 use super::{Code, load, render};
-use crate::prepare::{Options, analyse};
-use crate::scene::NoteEffect;
+use crate::prepare::{Options, Plan, analyse};
+use crate::report::{Explanation, PlanFacts};
 
 #[derive(Serialize)]
 struct ExplainJson<'a> {
@@ -18,7 +18,8 @@ struct ExplainJson<'a> {
     file: String,
     camera: &'a str,
     #[serde(flatten)]
-    plan: PlanJson<'a>,
+    plan: PlanFacts<'a>,
+    plan_sha256: String,
     notes: Vec<NoteJson<'a>>,
 }
 
@@ -40,16 +41,31 @@ pub(super) fn run(args: &ExplainArgs, console: &Console) -> Result<Code, Failure
             file: args.scene.scene.display().to_string(),
             camera: &camera.name,
             plan: (&plan).into(),
+            plan_sha256: record(&plan)?.sha256,
             notes: notes::json(&loaded.notes),
         };
         console.result(&to_json(&explained)?)?;
     } else {
-        let differing = loaded.notes.iter().filter(|n| n.effect != NoteEffect::None);
-        let notes = differing.map(|n| {
-            let word = if n.effect == NoteEffect::Missing { "not modelled" } else { "assumed" };
-            format!("{word:<14}{n}\n")
-        });
-        console.result(&format!("{}{plan}", notes.collect::<String>()))?;
+        let explanation = Explanation::new(&plan, &loaded.notes);
+        let text = if console.result_colours() { explanation.coloured() } else { explanation.to_string() };
+        console.result(&text)?;
     }
     Ok(Code::Done)
+}
+
+/// A plan as a picture carries it.
+pub(super) struct Record {
+    /// The facts of `explain --json`, but for the kernel, which changes no picture.
+    pub(super) json: String,
+    /// Of that text, hexadecimal: equal plans have equal ones.
+    pub(super) sha256: String,
+}
+
+/// What a picture says of the plan that made it.
+pub(super) fn record(plan: &Plan) -> Result<Record, Failure> {
+    let facts = PlanFacts::from(plan).of_picture();
+    let json =
+        serde_json::to_string(&facts).map_err(|e| Failure::write(format!("cannot write JSON: {e}")))?;
+    let sha256 = Sha256::digest(&json).iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(Record { json, sha256 })
 }

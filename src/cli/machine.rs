@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::notes::NoteJson;
-use crate::prepare::{Effect, Plan};
+use crate::report::PlanFacts;
 
 /// What a run took.
 #[derive(Serialize)]
@@ -35,7 +35,8 @@ pub(super) struct Report<'a> {
     pub(super) samples_refused: u64,
     pub(super) refused: Vec<RefusedJson>,
     pub(super) paths_cut: u64,
-    pub(super) plan: PlanJson<'a>,
+    pub(super) plan: PlanFacts<'a>,
+    pub(super) plan_sha256: String,
     pub(super) notes: Vec<NoteJson<'a>>,
     pub(super) machine: Machine,
 }
@@ -55,46 +56,6 @@ pub(super) struct RefusedJson {
     pub(super) pixel: [u32; 2],
     pub(super) pass: u32,
     pub(super) reason: String,
-}
-
-/// The plan as JSON has it.
-#[derive(Serialize)]
-pub(super) struct PlanJson<'a> {
-    simulated: Vec<NeedJson<'a>>,
-    left_out: Vec<LeftOutJson>,
-    kernel: &'static str,
-    replications: u32,
-}
-
-#[derive(Serialize)]
-struct NeedJson<'a> {
-    effect: &'static str,
-    witness: &'a str,
-    count: usize,
-}
-
-#[derive(Serialize)]
-struct LeftOutJson {
-    effect: &'static str,
-    reason: &'static str,
-}
-
-impl<'a> From<&'a Plan> for PlanJson<'a> {
-    fn from(plan: &'a Plan) -> Self {
-        let present = plan.effects();
-        let need = |n: &'a crate::prepare::Need| NeedJson {
-            effect: n.effect.name(),
-            witness: &n.witness,
-            count: n.count,
-        };
-        let absent = Effect::ALL.into_iter().filter(|&e| !present.has(e));
-        Self {
-            simulated: plan.needs.iter().map(need).collect(),
-            left_out: absent.map(|e| LeftOutJson { effect: e.name(), reason: e.reason_absent() }).collect(),
-            kernel: plan.kernel().name,
-            replications: plan.replications,
-        }
-    }
 }
 
 /// The machine, as far as it matters for time.

@@ -8,6 +8,7 @@ use super::Code;
 use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs, SlipArg};
 use super::compare::unusable;
 use super::console::Console;
+use super::explain::{self, Record};
 use super::failure::Failure;
 use super::load::{self, Loaded};
 use super::machine::{Machine, RefusedJson, Report, Seconds, command_line, report_path};
@@ -22,6 +23,7 @@ use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tra
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
 use crate::prepare::{self, EffectsMode, Plan, PrepareError};
+use crate::report::Explanation;
 use crate::scene::{Camera, Note, Scene, sha256};
 
 pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) -> Result<Code, Failure> {
@@ -235,7 +237,7 @@ impl Job {
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
         let hash = sha256(&scene);
-        rendered.image.attributes = self.attributes(&rendered, &hash);
+        rendered.image.attributes = self.attributes(&rendered, &hash)?;
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
         for path in &self.outputs {
@@ -245,7 +247,7 @@ impl Job {
         let write = writing.elapsed().as_secs_f64();
         let stopped = watch.stop.code();
         let seconds = Seconds { load, prepare, render, write };
-        let report = self.report(&rendered, &hash, seconds, stopped.is_some(), &notes, arguments);
+        let report = self.report(&rendered, &hash, seconds, stopped.is_some(), &notes, arguments)?;
         self.write_report(&report)?;
         if !self.quiet {
             self.summarise(&rendered, seconds, stopped, console);
@@ -270,7 +272,13 @@ impl Job {
             _ => Failure::usage(e.to_string()),
         })?;
         if self.verbose {
-            console.message(&prepared.plan.to_string());
+            // Notes have been said.
+            let explanation = Explanation::new(&prepared.plan, &[]);
+            console.message(&if console.colours() {
+                explanation.coloured()
+            } else {
+                explanation.to_string()
+            });
         }
         let seconds = begin.elapsed().as_secs_f64();
         let options = RenderOptions {
@@ -377,7 +385,7 @@ impl Job {
 
     /// What the image files say of themselves: a function of scene, settings and passes only. The kernel
     /// is not among it, since it never changes the picture.
-    fn attributes(&self, rendered: &Rendered, hash: &str) -> Vec<(String, String)> {
+    fn attributes(&self, rendered: &Rendered, hash: &str) -> Result<Vec<(String, String)>, Failure> {
         let effects = rendered.plan.needs.iter().map(|n| n.effect.name()).collect::<Vec<_>>().join(", ");
         let mut list = vec![
             ("software", software()),
@@ -398,7 +406,11 @@ impl Job {
         if rendered.partial {
             list.push(("partial", "some pixels have no samples".to_owned()));
         }
-        list.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+        if self.method == Method::Default {
+            let Record { json, sha256 } = explain::record(&rendered.plan)?;
+            list.extend([("plan", json), ("plan_sha256", sha256)]);
+        }
+        Ok(list.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
     }
 
     fn method_name(&self) -> &'static str {
@@ -417,11 +429,11 @@ impl Job {
         stopped_by_signal: bool,
         notes: &'a [Note],
         arguments: &[OsString],
-    ) -> Report<'a> {
+    ) -> Result<Report<'a>, Failure> {
         let rays = rendered.counters.map(|c| c.rays);
         let refused =
             |b: &BadSample| RefusedJson { pixel: b.pixel, pass: b.pass, reason: reason(b.reason).into() };
-        Report {
+        Ok(Report {
             schema: "epsilux.report/1",
             software: software(),
             command: command_line(arguments),
@@ -443,9 +455,10 @@ impl Job {
             refused: rendered.bad.iter().map(refused).collect(),
             paths_cut: rendered.counters.map_or(0, |c| c.capped),
             plan: (&rendered.plan).into(),
+            plan_sha256: explain::record(&rendered.plan)?.sha256,
             notes: notes::json(notes),
             machine: Machine::this(),
-        }
+        })
     }
 
     /// One report for each name: `a.png` and `a.exr` share theirs.

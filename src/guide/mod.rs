@@ -27,6 +27,9 @@ pub mod golden {}
 #[doc = include_str!("hard-cases.md")]
 pub mod hard_cases {}
 
+#[doc = include_str!("plan.md")]
+pub mod plan {}
+
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
@@ -39,7 +42,7 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 10] = [
+    const PAGES: [(&str, &str); 11] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
@@ -47,6 +50,7 @@ mod tests {
         ("from-obj.md", include_str!("from-obj.md")),
         ("golden.md", include_str!("golden.md")),
         ("hard-cases.md", include_str!("hard-cases.md")),
+        ("plan.md", include_str!("plan.md")),
         ("numbers.md", include_str!("numbers.md")),
         ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),

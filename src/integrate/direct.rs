@@ -7,7 +7,7 @@ use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
 use crate::light::{LightContext, LightSample};
 use crate::mutants::planted;
-use crate::prepare::{Detail, Effect, Effects, Medium, Prepared};
+use crate::prepare::{Detail, Effect, Medium, Prepared};
 use crate::shape::{Ray, offset_origin};
 
 /// The share of a sample found with density `own` where the other way would have found it with density
@@ -38,17 +38,16 @@ pub(super) fn direct_light<const FX: u32>(
     u: [f32; 4],
     counters: &mut Counters,
 ) -> Rgb {
+    let fx = scene.simulated::<FX>();
     let Some(light) = scene.lights.sample(context, [u[0], u[1], u[2]]) else { return Rgb::BLACK };
-    let Some((f, pdf)) = scatter::f_and_pdf::<FX>(bsdf, frame, light.wi, Transport::Radiance) else {
+    let Some((f, pdf)) = scatter::f_and_pdf(fx, bsdf, frame, light.wi, Transport::Radiance) else {
         return Rgb::BLACK;
     };
     let weight = if light.delta { 1.0 } else { mis_weight(light.pdf, pdf) };
     let cos = planted!(cosine_dropped(light.wi.dot(frame.ns()).abs()));
     let mut ld = f * light.weight * (cos * weight);
-    if const {
-        let fx = Effects(FX);
-        fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy)
-    } && light.target != PrimitiveId::NONE
+    if (fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy))
+        && light.target != PrimitiveId::NONE
     {
         ld *= emitted_share(scene, &light);
     }
@@ -58,7 +57,6 @@ pub(super) fn direct_light<const FX: u32>(
     let between = [context.from, light.target];
     let medium = media[usize::from(context.crosses(light.wi))];
     counters.rays += 1;
-    let fx = const { Effects(FX) };
     if (fx.has(Effect::Cutouts) && scene.has_cutouts()) || (fx.has(Effect::Nesting) && scene.has_nesting()) {
         return ld * passed(scene, light.shadow_ray, between, medium, counters);
     }

@@ -2,7 +2,7 @@
 
 use super::li::{Counters, Layers, li, li_in_layers};
 use crate::color::Rgb;
-use crate::prepare::{KERNELS, KernelSet, Plan, Prepared};
+use crate::prepare::{Effects, KERNELS, KernelSet, Plan, Prepared};
 use crate::sampling::Address;
 use crate::shape::Ray;
 
@@ -26,15 +26,19 @@ pub struct Kernel {
 /// The kernel that a plan names.
 #[must_use]
 pub fn kernel(plan: &Plan) -> Kernel {
-    let compiled: [LiFn; KERNELS.len()] = [
+    let compiled: [LiFn; KERNELS.len() + 1] = [
         li::<{ KERNELS[0].simulates.0 }>,
         li::<{ KERNELS[1].simulates.0 }>,
         li::<{ KERNELS[2].simulates.0 }>,
+        li::<{ KERNELS[3].simulates.0 }>,
+        li::<{ Effects::AT_RUN_TIME.0 }>,
     ];
-    let layered: [LayeredLiFn; KERNELS.len()] = [
+    let layered: [LayeredLiFn; KERNELS.len() + 1] = [
         li_in_layers::<{ KERNELS[0].simulates.0 }>,
         li_in_layers::<{ KERNELS[1].simulates.0 }>,
         li_in_layers::<{ KERNELS[2].simulates.0 }>,
+        li_in_layers::<{ KERNELS[3].simulates.0 }>,
+        li_in_layers::<{ Effects::AT_RUN_TIME.0 }>,
     ];
     Kernel { set: plan.kernel(), li: compiled[plan.kernel], layered: layered[plan.kernel] }
 }

@@ -5,7 +5,8 @@
 //! unless asked for: paths end by roulette. The walk is a loop over [`step`], so that paths could as
 //! well be advanced side by side.
 //!
-//! `FX` is the set of effects that a kernel simulates; what is not in it is not compiled.
+//! `FX` is the set of effects that a kernel simulates; what is not in it is not compiled. One kernel looks at
+//! run time (`Effects::AT_RUN_TIME`), and serves every set.
 
 use glam::Vec3;
 
@@ -161,7 +162,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     path: &mut PathState,
     counters: &mut Counters,
 ) -> Next {
-    let fx = const { Effects(FX) };
+    let fx = scene.simulated::<FX>();
     let kind = if path.depth == 0 { RayKind::Camera } else { RayKind::Other };
     counters.rays += 1;
     let hit = scene.accel.closest_between(&path.ray, path.from, kind);
@@ -176,6 +177,12 @@ fn step<const FX: u32, const LAYERS: bool>(
         && let Some(medium) = path.medium.absorbs
     {
         path.beta *= interior(scene, medium, t);
+    }
+    #[cfg(epsilux_dummy_effect)]
+    if fx.has(Effect::Dummy)
+        && let Some(dummy) = scene.dummy
+    {
+        path.beta *= dummy.transmittance(t);
     }
     let Some(hit) = hit else {
         // Light from infinitely far away.
@@ -275,7 +282,7 @@ fn step<const FX: u32, const LAYERS: bool>(
 
     // Continue the path in a direction chosen by the BSDF.
     let u = address.block(path.depth, Purpose::Bsdf, 0, 0);
-    let Some((wi, sample)) = scatter::sample::<FX>(bsdf, &frame, [u[0], u[1], u[2]], Transport::Radiance)
+    let Some((wi, sample)) = scatter::sample(fx, bsdf, &frame, [u[0], u[1], u[2]], Transport::Radiance)
     else {
         return Next::Done;
     };
@@ -409,7 +416,7 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, hit.light, hit.p, hit.n)),
         };
         let mut beta = path.beta;
-        if const { Effects(FX).has(Effect::Absorption) }
+        if scene.simulated::<FX>().has(Effect::Absorption)
             && let Some(medium) = path.medium.absorbs
         {
             beta *= interior(scene, medium, Vec3::distance(hit.p, path.ray.o));

@@ -2,11 +2,7 @@
 
 use crate::color::Rgb;
 use crate::mutants::planted;
-
-/// Scattering events before roulette starts. Four with the square root below had the smallest product of
-/// rays and squared error on cornell at 64 samples; tried were also 3 and 5 with the square root, 2 and 5
-/// with the throughput itself, and no roulette.
-const START: u32 = 4;
+use crate::prepare::ROULETTE_START;
 
 /// Ends a path with a probability, or gives the factor that makes up for those that end.
 ///
@@ -19,7 +15,7 @@ pub(crate) fn survive(beta: Rgb, eta_scale: f32, depth: u32, u: f32) -> Option<f
     if q <= 0.0 {
         return None;
     }
-    if depth < START || q >= 1.0 {
+    if depth < ROULETTE_START || q >= 1.0 {
         return Some(1.0);
     }
     let q = q.sqrt();

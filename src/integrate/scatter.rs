@@ -48,13 +48,13 @@ impl Frame {
 
 /// BSDF value and density of everything that is not a delta lobe; `None` where both are zero.
 #[inline(always)]
-pub(super) fn f_and_pdf<const FX: u32>(
+pub(super) fn f_and_pdf(
+    fx: Effects,
     bsdf: &Bsdf,
     frame: &Frame,
     wi: Vec3,
     transport: Transport,
 ) -> Option<(Rgb, f32)> {
-    let fx = const { Effects(FX) };
     let local = frame.frame.to_local(wi);
     if !frame.consistent(wi, local) {
         return None;
@@ -68,13 +68,13 @@ pub(super) fn f_and_pdf<const FX: u32>(
 
 /// A direction in world space.
 #[inline(always)]
-pub(super) fn sample<const FX: u32>(
+pub(super) fn sample(
+    fx: Effects,
     bsdf: &Bsdf,
     frame: &Frame,
     u: [f32; 3],
     transport: Transport,
 ) -> Option<(Vec3, BsdfSample)> {
-    let fx = const { Effects(FX) };
     let sample = match bsdf {
         Bsdf::Diffuse(d) if fx.has(Effect::Diffuse) => d.sample(frame.wo, [u[1], u[2]]),
         Bsdf::Mirror(m) if fx.has(Effect::Mirror) => m.sample(frame.wo),

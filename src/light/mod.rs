@@ -18,6 +18,7 @@ mod triangle;
 
 pub use ellipse::Ellipse;
 pub use panorama::Panorama;
+pub(crate) use pick::MANY_LIGHTS;
 pub use rectangle::{Rectangle, from_triangles};
 pub use set::{Emitter, FreeHit, LightId, LightSample, LightSet, Spot, SpotCurve};
 pub use sphere::SphereLight;

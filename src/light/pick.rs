@@ -4,7 +4,7 @@
 //! much as the irradiance that it could give unobstructed: its peak intensity over the squared distance
 //! to its middle (never less than its own radius), or what falls from infinitely far away. Within a
 //! group, power decides. Weights are ratios of quantities that scale alike, so scaling a scene by a
-//! power of two changes no probability. Beyond [`MANY`] groups power alone decides.
+//! power of two changes no probability. Beyond [`MANY_LIGHTS`] groups power alone decides.
 
 use glam::Vec3;
 
@@ -13,7 +13,7 @@ use crate::math::{ONE_MINUS_EPSILON, PI};
 use crate::sampling::Discrete;
 
 /// Groups that are weighed one by one for every point.
-const MANY: usize = 64;
+pub(crate) const MANY_LIGHTS: usize = 64;
 
 /// How a group's light thins out with distance.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +55,7 @@ impl Pick {
             pick.groups.push(Group { reach: reach(members), first, members: Discrete::new(&power) });
             first += size;
         }
-        if pick.groups.len() > MANY {
+        if pick.groups.len() > MANY_LIGHTS {
             pick.by_power = Some(Discrete::new(&powers));
         }
         pick
@@ -113,7 +113,11 @@ impl Pick {
             Reach::Near { center, radius2, intensity } => {
                 let d2 = (center - p).length_squared().max(radius2);
                 // A point light at the very point that is lit is no reason to forget the others.
-                if d2 > 0.0 { (intensity / d2).min(f32::MAX / MANY as f32) } else { f32::MAX / MANY as f32 }
+                if d2 > 0.0 {
+                    (intensity / d2).min(f32::MAX / MANY_LIGHTS as f32)
+                } else {
+                    f32::MAX / MANY_LIGHTS as f32
+                }
             }
         }
     }

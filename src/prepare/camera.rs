@@ -46,8 +46,14 @@ impl CameraRays {
             shift: camera.shift.map(|s| s * side),
             size,
             orthographic,
-            lens: camera.lens.map(|l| (l.radius, l.focus_distance)),
+            lens: camera.lens.filter(|l| l.radius > 0.0).map(|l| (l.radius, l.focus_distance)),
         }
+    }
+
+    /// The same rays from one point.
+    #[must_use]
+    pub(super) fn pinhole(self) -> Self {
+        Self { lens: None, ..self }
     }
 
     /// The ray through the point `offset` in [0, 1)^2 of a pixel (top left is its origin), from the

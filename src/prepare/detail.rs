@@ -75,7 +75,8 @@ struct Wanted {
 }
 
 impl Details {
-    pub(super) fn new(scene: &Scene, folded: &Folded<'_>, flat: &Flat) -> Self {
+    /// What the materials of `scene` ask of its meshes; no colours of vertices unless `colors`.
+    pub(super) fn new(scene: &Scene, folded: &Folded<'_>, flat: &Flat, colors: bool) -> Self {
         let mut wanted = vec![Wanted::default(); scene.meshes.len()];
         for object in &scene.objects {
             if let Shape::Mesh(m) = object.shape {
@@ -88,7 +89,8 @@ impl Details {
             .iter()
             .zip(&wanted)
             .map(|(mesh, wanted)| {
-                let attributes = Attributes::new(mesh, *wanted)?;
+                let wanted = Wanted { colors: wanted.colors && colors, ..*wanted };
+                let attributes = Attributes::new(mesh, wanted)?;
                 details.attributes.push(attributes);
                 Some(details.attributes.len() as u32 - 1)
             })

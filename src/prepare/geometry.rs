@@ -97,8 +97,9 @@ fn shared(scene: &Scene, folded: &Folded<'_>) -> Vec<bool> {
         .collect()
 }
 
-/// All meshes that are repeated keep their own space; everything else is copied to the world.
-pub(super) fn flatten(scene: &Scene, folded: &Folded<'_>) -> Flat {
+/// All meshes that are repeated keep their own space; everything else is copied to the world. Where `smooth` is
+/// false, the normals of vertices are left out.
+pub(super) fn flatten(scene: &Scene, folded: &Folded<'_>, smooth: bool) -> Flat {
     let shared = shared(scene, folded);
     let mut flat = Flat { range: vec![None; scene.objects.len()], ..Flat::default() };
     let mut world_normals = Vec::new();
@@ -108,7 +109,8 @@ pub(super) fn flatten(scene: &Scene, folded: &Folded<'_>) -> Flat {
             && !shared[id.0 as usize]
         {
             let first = flat.world.triangles.len() as u32;
-            add_mesh(&mut flat.world, &mut world_normals, &scene.meshes[id.0 as usize], &object.transform);
+            let mesh = &scene.meshes[id.0 as usize];
+            add_mesh(&mut flat.world, &mut world_normals, mesh, &object.transform, smooth);
             let count = flat.world.triangles.len() as u32 - first;
             flat.attributes.object.extend(std::iter::repeat_n(i as u32, count as usize));
             flat.range[i] = Some((first, count));
@@ -130,12 +132,12 @@ pub(super) fn flatten(scene: &Scene, folded: &Folded<'_>) -> Flat {
         let hidden = |&o: &u32| !scene.objects[o as usize].visible_to_camera;
         flat.world.hidden = flat.attributes.object.iter().map(hidden).collect();
     }
-    place_shared(scene, &shared, &mut flat);
+    place_shared(scene, &shared, &mut flat, smooth);
     flat.radius = radius(scene, &flat);
     flat
 }
 
-fn place_shared(scene: &Scene, shared: &[bool], flat: &mut Flat) {
+fn place_shared(scene: &Scene, shared: &[bool], flat: &mut Flat, smooth: bool) {
     let mut index = vec![u32::MAX; scene.meshes.len()];
     for (i, object) in scene.objects.iter().enumerate() {
         let Object { shape: Shape::Mesh(id), transform, visible_to_camera, .. } = object else { continue };
@@ -146,7 +148,7 @@ fn place_shared(scene: &Scene, shared: &[bool], flat: &mut Flat) {
         if index[id] == u32::MAX {
             index[id] = flat.meshes.len() as u32;
             let (mut geometry, mut normals) = (Geometry::default(), Vec::new());
-            add_mesh(&mut geometry, &mut normals, &scene.meshes[id], &DAffine3::IDENTITY);
+            add_mesh(&mut geometry, &mut normals, &scene.meshes[id], &DAffine3::IDENTITY, smooth);
             flat.meshes.push(geometry);
             flat.attributes.normals.push(tidy_normals(normals));
         }
@@ -165,13 +167,19 @@ fn tidy_normals(normals: Vec<Vec3>) -> Vec<Vec3> {
 }
 
 /// Appends a mesh in the space that `to_space` leads to; mirrored ones keep their front in front.
-fn add_mesh(geometry: &mut Geometry, normals: &mut Vec<Vec3>, mesh: &Mesh, to_space: &DAffine3) {
+fn add_mesh(
+    geometry: &mut Geometry,
+    normals: &mut Vec<Vec3>,
+    mesh: &Mesh,
+    to_space: &DAffine3,
+    smooth: bool,
+) {
     let base = geometry.positions.len() as u32;
     let flips = to_space.matrix3.determinant() < 0.0;
     geometry
         .positions
         .extend(mesh.positions.iter().map(|p| to_space.transform_point3(p.as_dvec3()).as_vec3()));
-    if mesh.normals.is_empty() {
+    if mesh.normals.is_empty() || !smooth {
         normals.resize(geometry.positions.len(), Vec3::ZERO);
     } else {
         let m = to_space.matrix3.inverse().transpose();

@@ -9,21 +9,25 @@ use super::detail::Details;
 use super::fold::Folded;
 use super::geometry::Flat;
 use super::glow::Brightness;
+use super::plan::{Effect, Effects};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::light::{
     Ellipse, Emitter, Panorama, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight, from_triangles,
 };
-use crate::scene::{AreaShape, Light, LightKind, Scene, Sides, SpotFalloff};
+use crate::scene::{
+    AreaShape, Environment, EnvironmentImage, Light, LightKind, Pixels, Scene, Sides, SpotFalloff, Texels,
+};
 
-/// Everything that emits, in the order of objects, lights, environment; the primitives of an object are
-/// one group.
+/// Everything that emits and belongs to one of the effects in `tables`, in the order of objects, lights,
+/// environment; the primitives of an object are one group.
 pub(super) fn collect(
     scene: &Scene,
     folded: &Folded<'_>,
     flat: &Flat,
     details: &Details,
     materials: &[PreparedMaterial],
+    tables: Effects,
 ) -> Vec<Vec<Emitter>> {
     let mut groups = Vec::new();
     for (i, (object, range)) in scene.objects.iter().zip(&flat.range).enumerate() {
@@ -47,10 +51,10 @@ pub(super) fn collect(
     groups.extend(scene.lights.iter().filter_map(free).map(|e| vec![e]));
     if let Some(e) = &scene.environment
         && !e.radiance.is_black()
+        && tables.has(Effect::Environment)
     {
         let visible_to_camera = e.visible_to_camera;
-        let pixels = e.image.and_then(|i| Some((i, scene.images.get(i.image.0 as usize)?.pixels.as_ref()?)));
-        match pixels {
+        match picture(scene, e) {
             Some((image, pixels)) => {
                 let map = Panorama::new(Arc::clone(pixels), e.radiance, image.rotation);
                 if !map.is_black() {
@@ -60,8 +64,64 @@ pub(super) fn collect(
             None => groups.push(vec![Emitter::Environment { radiance: e.radiance, visible_to_camera }]),
         }
     }
-    groups.retain(|g| !g.is_empty());
+    groups.retain(|g| g.first().is_some_and(|e| tables.has(effect_of(e))));
     groups
+}
+
+/// The effect that an emitter is a part of.
+pub(super) fn effect_of(emitter: &Emitter) -> Effect {
+    match emitter {
+        Emitter::Triangle { .. }
+        | Emitter::Rectangle { primitives: Some(_), .. }
+        | Emitter::Sphere { primitive: Some(_), .. } => Effect::AreaLights,
+        Emitter::Rectangle { .. } | Emitter::Ellipse { .. } | Emitter::Sphere { .. } => Effect::FreeLights,
+        Emitter::Point { .. } => Effect::DeltaLights,
+        Emitter::Sun { one_minus_cos, .. } if *one_minus_cos <= 0.0 => Effect::DeltaLights,
+        Emitter::Sun { .. } | Emitter::Environment { .. } | Emitter::Panorama { .. } => Effect::Environment,
+    }
+}
+
+/// The effect that a light which emits nothing was meant for.
+pub(super) fn intended(light: &Light) -> Effect {
+    match light.kind {
+        LightKind::Point { radius, .. } | LightKind::Spot { radius, .. } if radius > 0.0 => {
+            Effect::FreeLights
+        }
+        LightKind::Sun { angle, .. } if angle > 0.0 => Effect::Environment,
+        LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Sun { .. } => Effect::DeltaLights,
+        LightKind::Area { .. } => Effect::FreeLights,
+    }
+}
+
+/// What a light that emits nothing lacks.
+pub(super) fn lack(light: &Light) -> &'static str {
+    match light.kind {
+        LightKind::Point { intensity: color, .. }
+        | LightKind::Spot { intensity: color, .. }
+        | LightKind::Sun { irradiance: color, .. }
+        | LightKind::Area { radiance: color, .. }
+            if color.is_black() =>
+        {
+            "power"
+        }
+        _ => "size",
+    }
+}
+
+/// The picture of an environment, where it has one that was read.
+fn picture<'a>(scene: &'a Scene, e: &Environment) -> Option<(EnvironmentImage, &'a Arc<Pixels>)> {
+    let image = e.image?;
+    Some((image, scene.images.get(image.image.0 as usize)?.pixels.as_ref()?))
+}
+
+/// Whether an environment sends no light at all.
+pub(super) fn is_dark(scene: &Scene, e: &Environment) -> bool {
+    let black = |(_, pixels): (_, &Arc<Pixels>)| match &pixels.texels {
+        Texels::Byte(t) => t.iter().all(|&[r, g, b, _]| [r, g, b] == [0; 3]),
+        Texels::Short(t) => t.iter().all(|&[r, g, b, _]| [r, g, b] == [0; 3]),
+        Texels::Float(t) => t.iter().flatten().all(|&c| c == 0.0),
+    };
+    e.radiance.is_black() || picture(scene, e).is_some_and(black)
 }
 
 /// The emissive primitives of one object; neighbouring triangles that form a rectangle become one.
@@ -123,7 +183,7 @@ fn surfaces(
 }
 
 /// A light that is not a surface; `None` where it has no power or no extent to have it on.
-fn free(light: &Light) -> Option<Emitter> {
+pub(super) fn free(light: &Light) -> Option<Emitter> {
     let m = &light.transform;
     let position = m.translation.as_vec3();
     let forward = -m.matrix3.z_axis.try_normalize()?;

@@ -177,7 +177,7 @@ impl<'a> Compiler<'a> {
             MaterialKind::Mirror { color } => plain(Bsdf::Mirror(Mirror { color: *color }), *color),
             MaterialKind::Light { .. } => plain(Bsdf::Black, Rgb::BLACK),
             MaterialKind::Glass(g) => PreparedMaterial {
-                interior: g.absorption.as_ref().and_then(Interior::new),
+                interior: interior(kind),
                 encloses: true,
                 ..plain(Bsdf::Glass(Glass { ior: g.ior, tint: g.tint, thin: false }), g.tint)
             },
@@ -193,7 +193,7 @@ impl<'a> Compiler<'a> {
                 let bsdf =
                     if varies { Bsdf::Black } else { principled(&Numbers::from(&**p), &mut self.rows) };
                 PreparedMaterial {
-                    interior: p.absorption.as_ref().filter(|_| !p.thin).and_then(Interior::new),
+                    interior: interior(kind),
                     encloses: !p.thin && p.transmission > 0.0,
                     varying: varies.then(|| Box::new(Varying::new(p, self.scene, &mut self.tables))),
                     cutout: Cutout::new(p, self.scene).map(Box::new),
@@ -251,8 +251,60 @@ pub(super) fn has_coat(p: &Numbers) -> bool {
 
 /// Whether the material is nothing but a Lambertian reflector.
 pub(super) fn is_diffuse(p: &Numbers) -> bool {
-    let plain = p.metallic == 0.0 && p.transmission == 0.0 && (p.specular == 0.0 || p.ior == 1.0);
+    let plain = p.metallic == 0.0 && p.transmission == 0.0 && reflectance(p).0 <= 0.0;
     plain && !has_layers(p)
+}
+
+/// Whether any lobe has a single direction: a mirror, clear glass or a clear coat.
+pub(super) fn has_single_directions(p: &Numbers) -> bool {
+    let smooth = |roughness: f32| roughness * roughness < SMOOTH_ALPHA;
+    let transmits = p.transmission > 0.0 && p.metallic < 1.0;
+    let reflects = p.metallic > 0.0 || transmits || reflectance(p).0 > 0.0;
+    (smooth(p.roughness) && reflects)
+        || (transmits && is_straight(p))
+        || (has_coat(p) && smooth(p.coat_roughness))
+}
+
+/// Whether any lobe of a folded material has a spread, so that lights can be sampled at it.
+pub(super) fn spreads(kind: &MaterialKind) -> bool {
+    match kind {
+        MaterialKind::Diffuse { color } => !color.is_black(),
+        MaterialKind::Mirror { .. } | MaterialKind::Glass(_) | MaterialKind::Light { .. } => false,
+        MaterialKind::Principled(p) => {
+            let n = Numbers::from(&**p);
+            let t = &p.textures;
+            let rough = |r: f32| r * r >= SMOOTH_ALPHA;
+            let opaque = (n.metallic < 1.0 || t.metallic.is_some())
+                && (n.transmission < 1.0 || t.transmission.is_some())
+                && !n.base_color.is_black();
+            let lobes =
+                n.metallic > 0.0 || reflectance(&n).0 > 0.0 || (n.transmission > 0.0 && !is_straight(&n));
+            opaque
+                || (rough(n.roughness) && lobes)
+                || (has_coat(&n) && rough(n.coat_roughness))
+                || !n.sheen_color.is_black()
+        }
+    }
+}
+
+/// Whether light may pass to the other side of a folded material.
+pub(super) fn may_transmit(p: &scene::Principled) -> bool {
+    p.transmission > 0.0 && (p.metallic < 1.0 || p.textures.metallic.is_some())
+}
+
+/// What the inside of a folded material does to light that gets there; `None` where that is nothing.
+pub(super) fn interior(kind: &MaterialKind) -> Option<Interior> {
+    let absorption = match kind {
+        MaterialKind::Glass(g) => g.absorption.as_ref(),
+        MaterialKind::Principled(p) => p.absorption.as_ref().filter(|_| !p.thin && may_transmit(p)),
+        MaterialKind::Diffuse { .. } | MaterialKind::Mirror { .. } | MaterialKind::Light { .. } => None,
+    };
+    absorption.and_then(Interior::new)
+}
+
+/// The smallest value that a texture has anywhere, at most one.
+pub(super) fn darkest(scene: &Scene, t: &scene::ScalarTexture) -> f32 {
+    super::texture::darkest_channel(&pixels(scene, t.texture.image), t.channel)
 }
 
 /// The principled material, or what it reduces to exactly.

@@ -9,9 +9,13 @@
 //! scaled by it.
 
 mod albedo;
+mod analyse;
 mod camera;
+mod choices;
 mod cutout;
 mod detail;
+#[cfg(epsilux_dummy_effect)]
+mod dummy;
 mod fold;
 mod geometry;
 mod glow;
@@ -25,11 +29,13 @@ mod surface;
 mod texture;
 mod varying;
 
+pub use analyse::analyse;
 pub use camera::CameraRays;
+pub use choices::ROULETTE_START;
 pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
 pub use nesting::{Inside, Medium};
-pub use plan::{Effect, Effects, KERNELS, KernelSet, Need, Plan, analyse};
+pub use plan::{Choice, EXACT, Effect, Effects, KERNELS, KernelSet, LeftOut, Need, Plan, Unseen};
 pub use surface::Surface;
 
 use glam::DVec3;
@@ -37,7 +43,7 @@ use glam::DVec3;
 use crate::accel::Accel;
 use crate::film::FixedPoint;
 use crate::light::LightSet;
-use crate::scene::Scene;
+use crate::scene::{Camera, Scene};
 
 /// What to prepare a scene for.
 #[derive(Clone, Debug)]
@@ -62,8 +68,11 @@ pub enum EffectsMode {
     /// The smallest that covers the scene.
     #[default]
     Auto,
-    /// The one that simulates everything.
+    /// The one that simulates everything, with every table built.
     All,
+    /// One that looks at run time which effects the scene has, and simulates exactly those: slower, and of use
+    /// where something is left out on purpose, and to tests.
+    Exact,
 }
 
 /// Why a scene could not be prepared.
@@ -97,6 +106,8 @@ pub enum PrepareError {
 pub struct Prepared {
     /// What is simulated, and why.
     pub plan: Plan,
+    /// What the kernel simulates.
+    pub simulates: Effects,
     /// Everything that blocks light.
     pub accel: Accel,
     /// Everything that emits.
@@ -119,6 +130,8 @@ pub struct Prepared {
     pub radiance_format: FixedPoint,
     /// Format of length sums.
     pub length_format: FixedPoint,
+    #[cfg(epsilux_dummy_effect)]
+    pub(crate) dummy: Option<dummy::Dummy>,
     geometry: geometry::Attributes,
     details: detail::Details,
     /// Whether there is a surface that light may pass without being scattered.
@@ -134,43 +147,54 @@ pub fn replications(pixels: u64) -> u32 {
     if pixels > 4_000_000 { 2 } else { 4 }
 }
 
-/// Builds everything that the plan of `scene` calls for.
+/// Builds everything that the plan of `scene` calls for, and nothing else.
 ///
 /// # Errors
 /// Where the camera or the size that `options` ask for cannot be.
 pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareError> {
+    let camera = camera_of(scene, options)?;
+    prepare_planned(scene, options, analyse(scene, camera, options))
+}
+
+/// The same for a plan that is at hand: that of [`analyse`], or one that leaves something out on purpose.
+///
+/// # Errors
+/// As [`prepare`].
+pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<Prepared, PrepareError> {
     let [width, height] = options.size;
     let side = 1..=65_536;
     if !side.contains(&width) || !side.contains(&height) || u64::from(width) * u64::from(height) > 1 << 28 {
         return Err(PrepareError::Size { width, height });
     }
-    let camera = match &options.camera {
-        None => scene.cameras.first().ok_or(PrepareError::NoCamera)?,
-        Some(name) => scene.cameras.iter().find(|c| c.name == *name).ok_or_else(|| {
-            let known = scene.cameras.iter().map(|c| c.name.clone()).collect();
-            PrepareError::UnknownCamera { name: name.clone(), known }
-        })?,
-    };
-    let plan = analyse(scene, camera, options);
-    let folded = fold::fold(scene);
+    let camera = camera_of(scene, options)?;
+    let folded = fold::fold(scene, plan.tables);
     let mut compiler = material::Compiler::new(scene);
     let materials = compiler.all(&folded);
-    let nesting = nesting::Nesting::new(scene, &folded, &mut compiler);
-    let flat = geometry::flatten(scene, &folded);
-    let details = detail::Details::new(scene, &folded, &flat);
-    let lights = lights::collect(scene, &folded, &flat, &details, &materials);
+    let nesting =
+        plan.tables.has(Effect::Nesting).then(|| nesting::Nesting::new(scene, &folded, &mut compiler));
+    let nesting = nesting.flatten();
+    let flat = geometry::flatten(scene, &folded, plan.tables.has(Effect::SmoothNormals));
+    let details = detail::Details::new(scene, &folded, &flat, plan.tables.has(Effect::VertexColors));
+    let lights = lights::collect(scene, &folded, &flat, &details, &materials, plan.tables);
     let lengths = FixedPoint::around(flat.reach(camera) as f32);
     let radiance_format =
         FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));
     let cutouts = scene.objects.iter().any(|o| materials[o.material.0 as usize].cutout.is_some());
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
     let start = start::medium(scene, &materials, nesting.as_ref(), camera.transform.translation);
+    let mut rays = CameraRays::new(camera, options.size);
+    if !plan.tables.has(Effect::Lens) {
+        rays = rays.pinhole();
+    }
     Ok(Prepared {
+        #[cfg(epsilux_dummy_effect)]
+        dummy: dummy::Dummy::asked().filter(|_| plan.tables.has(Effect::Dummy)),
+        simulates: plan.kernel().simulates,
         plan,
         accel,
         lights: LightSet::new(lights, flat.primitives, flat.radius),
         materials,
-        camera: CameraRays::new(camera, options.size),
+        camera: rays,
         size: options.size,
         seed: options.seed,
         max_depth: options.max_depth,
@@ -186,12 +210,28 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
     })
 }
 
+fn camera_of<'a>(scene: &'a Scene, options: &Options) -> Result<&'a Camera, PrepareError> {
+    match &options.camera {
+        None => scene.cameras.first().ok_or(PrepareError::NoCamera),
+        Some(name) => scene.cameras.iter().find(|c| c.name == *name).ok_or_else(|| {
+            let known = scene.cameras.iter().map(|c| c.name.clone()).collect();
+            PrepareError::UnknownCamera { name: name.clone(), known }
+        }),
+    }
+}
+
 impl Prepared {
     /// The objects of the scene that this was prepared from that enclose a volume with the point `p`, metres,
     /// world space, in it: by index, the outermost first.
     #[must_use]
     pub fn around(&self, scene: &Scene, p: DVec3) -> Vec<usize> {
         start::around(scene, &self.materials, p)
+    }
+
+    /// What a kernel simulates: its set, or for the one that looks at run time what the plan says.
+    #[inline(always)]
+    pub(crate) fn simulated<const FX: u32>(&self) -> Effects {
+        if FX == Effects::AT_RUN_TIME.0 { self.simulates } else { Effects(FX) }
     }
 
     /// The material of an object.

@@ -1,16 +1,11 @@
-//! The plan: what is simulated, why, and by which kernel.
+//! The plan: what is simulated, why, by which kernel, and how.
 //!
-//! [`Effect`] is the one list. Analysis collects the needs of a scene, each with a witness; the kernel
-//! is the smallest that covers them; the guards in the kernels use the same names. Choices (which
-//! estimator, which probabilities) change samples and are the same whatever kernel runs; pruning
-//! (kernels, tables) changes nothing: a test compares bytes.
+//! [`Effect`] is the one list. Analysis (`analyse`) collects the needs of a scene, each with a witness; tables
+//! are built for them and for nothing else; the kernel is the smallest that covers them; the guards in the
+//! kernels use the same names. Choices (which estimator, which probabilities) change samples and are the same
+//! whatever kernel runs; pruning (kernels, tables) changes nothing: a test compares bytes.
 
-use std::fmt;
-
-use super::fold::fold;
-use super::material::{self, Numbers};
-use super::{EffectsMode, Options};
-use crate::scene::{AlphaMode, Camera, Light, LightKind, MaterialKind, Principled, Scene, Shape, Sides};
+use super::EffectsMode;
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,11 +43,14 @@ pub enum Effect {
     VertexColors,
     /// Bodies of which one is there where several are.
     Nesting,
+    /// One that is compiled to measure what it costs scenes without it.
+    #[cfg(epsilux_dummy_effect)]
+    Dummy,
 }
 
 impl Effect {
     /// All of them, in report order.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 16 + cfg!(epsilux_dummy_effect) as usize] = [
         Self::AreaLights,
         Self::FreeLights,
         Self::DeltaLights,
@@ -69,6 +67,8 @@ impl Effect {
         Self::NormalMaps,
         Self::VertexColors,
         Self::Nesting,
+        #[cfg(epsilux_dummy_effect)]
+        Self::Dummy,
     ];
 
     /// What people call it.
@@ -91,6 +91,8 @@ impl Effect {
             Self::NormalMaps => "normal maps",
             Self::VertexColors => "vertex colours",
             Self::Nesting => "nested bodies",
+            #[cfg(epsilux_dummy_effect)]
+            Self::Dummy => "dummy",
         }
     }
 
@@ -102,18 +104,20 @@ impl Effect {
             Self::FreeLights => "no light with an extent stands apart from surfaces",
             Self::DeltaLights => "no light is a point or a single direction",
             Self::Environment => "nothing shines from infinitely far away",
-            Self::Diffuse => "no material scatters diffusely",
-            Self::Mirror => "no material is a perfect mirror",
-            Self::Refraction => "no material transmits light smoothly",
-            Self::Glossy => "no material is glossy or layered",
+            Self::Diffuse => "no material is diffuse and nothing else",
+            Self::Mirror => "no material is a mirror and nothing else",
+            Self::Refraction => "no material is clear glass and nothing else",
+            Self::Glossy => "no material is rough, layered or mixed",
             Self::Absorption => "no interior absorbs",
             Self::SmoothNormals => "no mesh interpolates its normals",
             Self::Lens => "the camera is a pinhole",
-            Self::Textures => "no material varies with a picture",
+            Self::Textures => "no picture varies what a surface reflects or emits",
             Self::Cutouts => "every surface is solid",
             Self::NormalMaps => "no material takes normals from a picture",
             Self::VertexColors => "no mesh has coloured vertices",
             Self::Nesting => "no body has a priority",
+            #[cfg(epsilux_dummy_effect)]
+            Self::Dummy => "nobody asks for it",
         }
     }
 }
@@ -125,6 +129,9 @@ pub struct Effects(pub u32);
 impl Effects {
     /// Every effect there is.
     pub const EVERYTHING: Self = Self((1 << Effect::ALL.len()) - 1);
+
+    /// No set: the argument of the kernel that looks at run time what to simulate.
+    pub const AT_RUN_TIME: Self = Self(u32::MAX);
 
     /// The set of some effects.
     #[must_use]
@@ -142,6 +149,18 @@ impl Effects {
     #[must_use]
     pub const fn has(self, effect: Effect) -> bool {
         self.0 >> (effect as u8) & 1 == 1
+    }
+
+    /// The effects of both sets.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// The set without an effect.
+    #[must_use]
+    pub const fn without(self, effect: Effect) -> Self {
+        Self(self.0 & !(1 << effect as u8))
     }
 
     /// Whether every effect of `other` is in the set.
@@ -171,22 +190,77 @@ pub struct KernelSet {
     pub simulates: Effects,
 }
 
+/// Effects that cost a kernel nothing: tables decide which lights there are and where camera rays start, and what
+/// is infinitely far away is asked only where a ray meets nothing.
+const FREE: Effects = Effects::of(&[Effect::DeltaLights, Effect::Lens, Effect::Environment]);
+
+/// What varies over a surface.
+const VARYING: Effects =
+    Effects::of(&[Effect::Textures, Effect::Cutouts, Effect::NormalMaps, Effect::VertexColors]);
+
 /// The kernels, from smallest to everything; `integrate` compiles one loop for each.
-pub const KERNELS: [KernelSet; 3] = [
-    KernelSet { name: "matte", simulates: Effects::of(&[Effect::AreaLights, Effect::Diffuse]) },
+pub const KERNELS: [KernelSet; 4] = [
+    KernelSet { name: "matte", simulates: FREE.and(Effects::of(&[Effect::AreaLights, Effect::Diffuse])) },
     KernelSet {
         name: "report",
-        simulates: Effects::of(&[Effect::AreaLights, Effect::Diffuse, Effect::Mirror, Effect::Refraction]),
+        simulates: FREE.and(Effects::of(&[
+            Effect::AreaLights,
+            Effect::Diffuse,
+            Effect::Mirror,
+            Effect::Refraction,
+        ])),
     },
+    KernelSet { name: "plain", simulates: Effects(Effects::EVERYTHING.0 & !VARYING.0) },
     KernelSet { name: "everything", simulates: Effects::EVERYTHING },
 ];
 
-/// What is simulated, why, and by which kernel.
+/// Number of the kernel after those of [`KERNELS`]: one loop that looks at run time what to simulate, so that
+/// there is one for every set of effects. It is slower, and what tests compare with.
+pub const EXACT: usize = KERNELS.len();
+
+/// An effect that is not simulated.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// What is not simulated.
+    pub effect: Effect,
+    /// Why it cannot matter, such as `light "Fill" has no power`.
+    pub reason: String,
+}
+
+/// Light that a scene describes and that no sample finds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unseen {
+    /// What people call it.
+    pub what: &'static str,
+    /// Which, and why it is not found.
+    pub reason: String,
+}
+
+/// A decision that changes samples, though not what they average to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// What is decided, such as `light choice`.
+    pub about: &'static str,
+    /// What was chosen.
+    pub chosen: String,
+    /// Why, with the figures that it was decided by.
+    pub reason: String,
+}
+
+/// What is simulated, why, by which kernel, and how.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// What the scene calls for, in the order of [`Effect::ALL`].
     pub needs: Vec<Need>,
-    /// Index into [`KERNELS`].
+    /// What it does not call for, in the same order.
+    pub left_out: Vec<LeftOut>,
+    /// What it describes and no sample finds.
+    pub unseen: Vec<Unseen>,
+    /// How light is looked for.
+    pub choices: Vec<Choice>,
+    /// What tables are built for.
+    pub tables: Effects,
+    /// Index into [`KERNELS`], or [`EXACT`].
     pub kernel: usize,
     /// Replications: independent low-discrepancy sequences that take turns, pass by pass.
     pub replications: u32,
@@ -202,172 +276,39 @@ impl Plan {
     /// The kernel that runs.
     #[must_use]
     pub fn kernel(&self) -> KernelSet {
-        KERNELS[self.kernel]
+        let exact = || KernelSet { name: "exact", simulates: self.effects() };
+        KERNELS.get(self.kernel).copied().unwrap_or_else(exact)
     }
-}
 
-impl fmt::Display for Plan {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for need in &self.needs {
-            write!(f, "{:<14}{:<16}{}", "simulated", need.effect.name(), need.witness)?;
-            if need.count > 1 {
-                write!(f, " (and {} more)", need.count - 1)?;
-            }
-            writeln!(f)?;
+    /// The plan that simulates one effect less: the picture then lacks light that the scene calls for.
+    #[must_use]
+    pub fn without(&self, effect: Effect) -> Self {
+        let mut plan = self.clone();
+        let before = plan.needs.len();
+        plan.needs.retain(|n| n.effect != effect);
+        if plan.needs.len() < before {
+            let at = plan.left_out.iter().position(|l| l.effect > effect).unwrap_or(plan.left_out.len());
+            plan.left_out.insert(at, LeftOut { effect, reason: "asked for: the picture lacks it".into() });
         }
+        plan.tables = plan.tables.without(effect);
+        if plan.kernel < EXACT {
+            plan.kernel = smallest(plan.effects());
+        }
+        plan
+    }
+
+    /// Takes the kernel that was asked for, and what tables are built for it.
+    pub(super) fn run_by(&mut self, mode: EffectsMode) {
         let effects = self.effects();
-        for effect in Effect::ALL.into_iter().filter(|&e| !effects.has(e)) {
-            writeln!(f, "{:<14}{:<16}{}", "left out", effect.name(), effect.reason_absent())?;
-        }
-        let covers =
-            if self.kernel().simulates == effects { "exactly this" } else { "covers all of the above" };
-        writeln!(f, "{:<14}{:<16}{covers}", "kernel", self.kernel().name)?;
-        write!(
-            f,
-            "{:<14}{:<16}independent sequences; their means give the error",
-            "replications", self.replications
-        )
-    }
-}
-
-/// Collects needs: the first witness of each effect, and the number of those who ask.
-#[derive(Default)]
-struct Collector {
-    needs: [Option<Need>; Effect::ALL.len()],
-}
-
-impl Collector {
-    fn ask(&mut self, effect: Effect, witness: impl FnOnce() -> String) {
-        let slot = &mut self.needs[effect as usize];
-        match slot {
-            Some(need) => need.count += 1,
-            None => *slot = Some(Need { effect, witness: witness(), count: 1 }),
-        }
-    }
-}
-
-/// Finds what the scene calls for. A material that no object uses, and a light without power, call for
-/// nothing.
-#[must_use]
-pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
-    let mut needs = Collector::default();
-    let mut used = vec![false; scene.materials.len()];
-    for object in &scene.objects {
-        used[object.material.0 as usize] = true;
-        if let Shape::Mesh(m) = object.shape
-            && !scene.meshes[m.0 as usize].normals.is_empty()
-        {
-            needs.ask(Effect::SmoothNormals, || format!("object \"{}\"", object.name));
-        }
-    }
-    let folded = fold(scene);
-    for (i, material) in scene.materials.iter().enumerate().filter(|(i, _)| used[*i]) {
-        let colored = folded.uses[i].colored;
-        for effect in material_needs(&folded.kinds[i], colored.is_some()) {
-            needs.ask(effect, || format!("material \"{}\"", material.name));
-        }
-        if material.kind.body().is_some() {
-            needs.ask(Effect::Nesting, || format!("material \"{}\"", material.name));
-        }
-        if let Some(object) = colored {
-            needs.ask(Effect::VertexColors, || format!("object \"{}\"", scene.objects[object].name));
-        }
-    }
-    for light in &scene.lights {
-        if let Some(effect) = light.needs() {
-            needs.ask(effect, || format!("light \"{}\"", light.name));
-        }
-    }
-    if let Some(e) = &scene.environment
-        && !e.radiance.is_black()
-    {
-        needs.ask(Effect::Environment, || format!("environment \"{}\"", e.name));
-    }
-    if camera.lens.is_some() {
-        needs.ask(Effect::Lens, || format!("camera \"{}\"", camera.name));
-    }
-    let needs: Vec<Need> = needs.needs.into_iter().flatten().collect();
-    let effects = Effects(needs.iter().fold(0, |bits, n| bits | 1 << n.effect as u8));
-    let everything = KERNELS.len() - 1;
-    let kernel = match options.effects {
-        EffectsMode::All => everything,
-        EffectsMode::Auto => KERNELS.iter().position(|k| k.simulates.covers(effects)).unwrap_or(everything),
-    };
-    let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
-    Plan { needs, kernel, replications: super::replications(pixels) }
-}
-
-/// What a folded material calls for, where `colored` says that vertices have colours.
-fn material_needs(kind: &MaterialKind, colored: bool) -> Vec<Effect> {
-    let mut needs = Vec::new();
-    let absorbs = match kind {
-        MaterialKind::Diffuse { .. } => {
-            needs.push(Effect::Diffuse);
-            false
-        }
-        MaterialKind::Mirror { .. } => {
-            needs.push(Effect::Mirror);
-            false
-        }
-        MaterialKind::Glass(g) => {
-            needs.push(Effect::Refraction);
-            g.absorption.is_some()
-        }
-        MaterialKind::Light { .. } => false,
-        MaterialKind::Principled(p) => {
-            needs.extend(principled_needs(p, colored));
-            p.absorption.is_some()
-        }
-    };
-    if absorbs {
-        needs.push(Effect::Absorption);
-    }
-    if let Some((_, Sides::Front | Sides::Both)) = kind.emission() {
-        needs.push(Effect::AreaLights);
-    }
-    needs
-}
-
-/// What a principled material compiles to decides; the compiler's tests compare the two.
-fn principled_needs(p: &Principled, colored: bool) -> Vec<Effect> {
-    let numbers = Numbers::from(p);
-    let varies = material::varies(p, colored);
-    // What varies is compiled at the hit, to all of its lobes.
-    let mut needs = vec![if material::is_diffuse(&numbers) {
-        Effect::Diffuse
-    } else if material::is_smooth_glass(&numbers) && !varies {
-        Effect::Refraction
-    } else {
-        Effect::Glossy
-    }];
-    let t = &p.textures;
-    if material::varies(p, false) || t.emission.is_some() {
-        needs.push(Effect::Textures);
-    }
-    if p.alpha_mode != AlphaMode::Opaque {
-        needs.push(Effect::Cutouts);
-    }
-    if t.normal.is_some() {
-        needs.push(Effect::NormalMaps);
-    }
-    needs
-}
-
-trait LightNeeds {
-    fn needs(&self) -> Option<Effect>;
-}
-
-impl LightNeeds for Light {
-    fn needs(&self) -> Option<Effect> {
-        let (color, effect) = match self.kind {
-            LightKind::Point { intensity, radius } | LightKind::Spot { intensity, radius, .. } => {
-                (intensity, if radius > 0.0 { Effect::FreeLights } else { Effect::DeltaLights })
-            }
-            LightKind::Sun { irradiance, angle } => {
-                (irradiance, if angle > 0.0 { Effect::Environment } else { Effect::DeltaLights })
-            }
-            LightKind::Area { radiance, .. } => (radiance, Effect::FreeLights),
+        (self.kernel, self.tables) = match mode {
+            EffectsMode::Auto => (smallest(effects), effects),
+            EffectsMode::All => (KERNELS.len() - 1, Effects::EVERYTHING),
+            EffectsMode::Exact => (EXACT, effects),
         };
-        (!color.is_black()).then_some(effect)
     }
+}
+
+/// The smallest kernel that covers some effects.
+fn smallest(effects: Effects) -> usize {
+    KERNELS.iter().position(|k| k.simulates.covers(effects)).unwrap_or(KERNELS.len() - 1)
 }

@@ -92,6 +92,13 @@ pub(super) fn constant_channel(pixels: &Pixels, channel: Channel) -> Option<f32>
     same.then(|| texel(&pixels.texels, &decoding(&pixels.texels, false), 0)[c])
 }
 
+/// The smallest value of one channel, as data, at most one.
+pub(super) fn darkest_channel(pixels: &Pixels, channel: Channel) -> f32 {
+    let decode = decoding(&pixels.texels, false);
+    let count = pixels.width as usize * pixels.height as usize;
+    (0..count).map(|i| texel(&pixels.texels, &decode, i)[channel as usize]).fold(1.0, f32::min)
+}
+
 impl Sampler {
     /// The texture over its picture; `encoded` where integers are sRGB.
     pub(super) fn new(t: &Texture, pixels: &Arc<Pixels>, encoded: bool) -> Self {

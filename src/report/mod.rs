@@ -2,11 +2,13 @@
 //! whether that means anything.
 
 mod compare;
+mod explain;
 mod flip;
 mod heat;
 mod inventory;
 
 pub use compare::{Basis, Channel, CompareError, Comparison, Tiles, Verdict, compare, probability};
+pub use explain::{Explanation, PlanFacts};
 pub use flip::flip;
 pub use heat::{difference_map, flip_map};
 pub use inventory::{Inventory, inventory};

@@ -7,20 +7,19 @@ use epsilux::film::Image;
 use epsilux::glam::{DAffine3, DVec3};
 use epsilux::integrate::{Quiet, RenderOptions, render};
 use epsilux::output::{WriteOptions, write};
-use epsilux::prepare::{EffectsMode, KERNELS, Options, Prepared, prepare};
+use epsilux::prepare::{EffectsMode, Options, Prepared, prepare};
 use epsilux::scene::text::parse_toml;
-use epsilux::scene::{Absorption, AreaShape, Lens, LightKind, MaterialKind, Scene, SpotFalloff};
-use proptest::prelude::*;
+use epsilux::scene::{Absorption, LightKind, MaterialKind, Scene, SpotFalloff};
 use sha2::{Digest as _, Sha256};
 
 use crate::support::fast::{options, valid};
-use crate::support::features::{self, camera, dark_stage, round_mesh};
-use crate::support::scenes::{Build, diffuse, emitter, facing, glass, mirror, principled};
+use crate::support::features::{self, dark_stage, round_mesh};
+use crate::support::scenes::{Build, diffuse, emitter, facing, principled};
 use crate::support::seed::seed;
 use crate::support::textured;
 use epsilux::check::scaled;
 
-const SIZE: [u32; 2] = [20, 14];
+pub(crate) const SIZE: [u32; 2] = [20, 14];
 
 /// The scenes of the project that every test here looks at.
 const FILES: [(&str, &str); 6] = [
@@ -32,7 +31,7 @@ const FILES: [(&str, &str); 6] = [
     ("drink", include_str!("../../scenes/drink.toml")),
 ];
 
-fn files() -> impl Iterator<Item = (String, Scene)> {
+pub(crate) fn files() -> impl Iterator<Item = (String, Scene)> {
     FILES.iter().map(|(name, text)| (name.to_string(), parse_toml(text).expect("a scene of the project").0))
 }
 
@@ -40,12 +39,12 @@ fn file(name: &str) -> Scene {
     files().find(|(n, _)| n == name).expect("a scene of the project").1
 }
 
-fn prepared(scene: &Scene, effects: EffectsMode) -> Prepared {
+pub(crate) fn prepared(scene: &Scene, effects: EffectsMode) -> Prepared {
     let options = Options { effects, ..options(SIZE, seed("bytes"), None) };
     prepare(scene, &options).expect("a camera")
 }
 
-fn passes() -> RenderOptions {
+pub(crate) fn passes() -> RenderOptions {
     RenderOptions { passes: 0..8, time: None, threads: 1, crop: None, features: true, layers: false }
 }
 
@@ -65,7 +64,7 @@ fn sha(image: &Image) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn check_equal(a: &Image, b: &Image, what: &str) {
+pub(crate) fn check_equal(a: &Image, b: &Image, what: &str) {
     let differ = a.rgb.iter().zip(&b.rgb).filter(|(a, b)| a != b).count();
     assert!(differ == 0, "{what}: {differ} of {} pixels differ", a.rgb.len());
     assert_eq!(sha(a), sha(b), "{what}: the files differ");
@@ -266,164 +265,6 @@ fn points_and_spots_scale_too() {
     });
 }
 
-fn check_kernels(name: &str, scene: &Scene) -> usize {
-    let (auto, all) = (prepared(scene, EffectsMode::Auto), prepared(scene, EffectsMode::All));
-    assert_eq!(all.plan.kernel, KERNELS.len() - 1, "{name}");
-    check_equal(&picture(&auto, &passes()), &picture(&all, &passes()), name);
-    auto.plan.kernel
-}
-
-/// Guards pruning: the planned kernel and the one that simulates everything give equal files, and the
-/// project's scenes run every kernel that there is.
-#[test]
-fn the_planned_kernel_and_everything_agree_on_the_projects_scenes() {
-    let used: std::collections::BTreeSet<usize> = files().map(|(name, s)| check_kernels(&name, &s)).collect();
-    assert_eq!(used.len(), KERNELS.len(), "{used:?}");
-}
-
-/// What a generated scene may contain.
-#[derive(Clone, Debug)]
-struct Recipe {
-    materials: Vec<u8>,
-    square_lamp: bool,
-    round_lamp: bool,
-    smooth_mesh: bool,
-    hidden: bool,
-    lights: Vec<u8>,
-    sky: bool,
-    lens: bool,
-}
-
-fn recipe() -> impl Strategy<Value = Recipe> {
-    // Most scenes have few effects, so that small kernels get their share.
-    let rarely = prop::bool::weighted(0.15);
-    (
-        prop::collection::vec(prop_oneof![6 => 0u8..3, 3 => 3u8..6, 1 => 6u8..11], 1..5),
-        any::<bool>(),
-        any::<bool>(),
-        rarely,
-        any::<bool>(),
-        prop_oneof![3 => Just(vec![]), 1 => prop::collection::vec(0u8..6, 1..3)],
-        rarely,
-        rarely,
-    )
-        .prop_map(|(materials, square_lamp, round_lamp, smooth_mesh, hidden, lights, sky, lens)| {
-            Recipe { materials, square_lamp, round_lamp, smooth_mesh, hidden, lights, sky, lens }
-        })
-}
-
-fn material(number: u8) -> MaterialKind {
-    match number {
-        0 => diffuse(0.6),
-        1 => principled(|p| p.specular = 0.0),
-        2 => principled(|p| {
-            p.ior = 1.0;
-            p.emission = Rgb::new(0.1, 0.2, 0.3);
-        }),
-        3 => mirror(0.8),
-        4 => glass(1.5),
-        5 => principled(|p| {
-            p.transmission = 1.0;
-            p.roughness = 0.0;
-        }),
-        6 => principled(|p| {
-            p.transmission = 1.0;
-            p.ior = 1.0;
-        }),
-        7 => principled(|p| p.metallic = 1.0),
-        8 => principled(|p| p.roughness = 0.0),
-        9 => principled(|p| {
-            p.transmission = 0.7;
-            p.thin = true;
-        }),
-        _ => principled(|p| {
-            p.transmission = 1.0;
-            p.absorption = Some(Absorption { color: Rgb::new(0.9, 0.5, 0.7), distance: 0.5 });
-        }),
-    }
-}
-
-fn cook(recipe: &Recipe) -> Scene {
-    let mut scene = dark_stage();
-    scene.cameras = vec![camera(DVec3::new(0.0, 2.2, 6.0), DVec3::new(0.0, 0.8, 0.0), 40.0)];
-    for (i, number) in recipe.materials.iter().enumerate() {
-        let center = DVec3::new(i as f64 - 1.5, 0.5, 0.3 * i as f64);
-        if recipe.smooth_mesh {
-            scene.meshes.push(round_mesh(1, true));
-            let id = epsilux::scene::MeshId(scene.meshes.len() as u32 - 1);
-            let place = DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(-0.5));
-            scene.object(epsilux::scene::Shape::Mesh(id), place, material(*number));
-        } else {
-            scene.sphere(center, 0.5, material(*number));
-        }
-    }
-    if recipe.hidden
-        && let Some(last) = scene.objects.last_mut()
-    {
-        last.visible_to_camera = false;
-    }
-    if recipe.square_lamp {
-        scene.quad(DVec3::new(0.0, 4.0, 1.0), DVec3::X, DVec3::Z, emitter(9.0));
-    }
-    if recipe.round_lamp {
-        scene.sphere(DVec3::new(2.0, 3.0, 2.0), 0.4, emitter(9.0));
-    }
-    let color = Rgb::new(5.0, 4.0, 3.0);
-    let above = DVec3::new(-2.0, 4.0, 1.0);
-    for number in &recipe.lights {
-        let spot = |radius| LightKind::Spot {
-            intensity: color,
-            inner: 0.1,
-            outer: 0.8,
-            falloff: SpotFalloff::Gltf,
-            radius,
-        };
-        let kind = match number {
-            0 => LightKind::Point { intensity: color, radius: 0.0 },
-            1 => LightKind::Point { intensity: color, radius: 0.2 },
-            2 => spot(0.0),
-            3 => LightKind::Sun { irradiance: color, angle: 0.0 },
-            4 => LightKind::Sun { irradiance: color, angle: 0.2 },
-            _ => LightKind::Area { shape: AreaShape::Ellipse, size: [1.0, 0.5], radiance: color },
-        };
-        scene.light(kind, facing(above, above.normalize()));
-    }
-    if recipe.sky {
-        scene.environment = crate::support::scenes::sky(0.4);
-    }
-    if recipe.lens {
-        scene.cameras[0].lens = Some(Lens { radius: 0.1, focus_distance: 5.0 });
-    }
-    valid(&scene)
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 48,
-        failure_persistence: None,
-        rng_seed: proptest::test_runner::RngSeed::Fixed(0x6570_7369_6c75_7821),
-        ..ProptestConfig::default()
-    })]
-
-    /// Guards pruning on scenes that nobody thought of: which effects there are decides the kernel, and
-    /// never the picture.
-    #[test]
-    fn the_planned_kernel_and_everything_agree_on_any_scene(recipe in recipe()) {
-        check_kernels(&format!("{recipe:?}"), &cook(&recipe));
-    }
-
-    /// N75, without what the catalogue's case bounds: scenes that nobody thought of, of a micrometre or of a thousand
-    /// kilometres, have finite pictures, refuse no sample, and look the same.
-    #[test]
-    fn any_scene_is_the_same_at_any_scale(recipe in recipe(), k in -20..=20) {
-        let scene = cook(&recipe);
-        let name = format!("{recipe:?} at 2^{k}");
-        let unit = plain(&scene);
-        prop_assert!(unit.rgb.iter().all(|c| c.is_finite() && c.min_channel() >= 0.0), "{}", name);
-        check_equal(&unit, &plain(&scaled(&scene, k)), &name);
-    }
-}
-
 /// Guards the instruction sets: the portable walk of the trees gives the same file as the one for this CPU.
 #[test]
 fn the_portable_kernel_agrees() {
@@ -477,12 +318,11 @@ fn textured_scenes() -> Vec<(String, Scene)> {
     scenes.into_iter().map(|(name, scene)| (name, valid(&scene))).collect()
 }
 
-/// Guards textures against all that must not matter: kernels, threads, instructions and, where the tables
-/// are at hand, scale.
+/// Guards textures against all that must not matter: threads, instructions and, where the tables are at hand,
+/// scale.
 #[test]
 fn textured_scenes_have_the_same_bytes_too() {
     for (name, scene) in textured_scenes() {
-        check_kernels(&name, &scene);
         let scene = prepared(&scene, EffectsMode::Auto);
         let expected = picture(&scene, &passes());
         check_equal(&expected, &picture(&scene, &RenderOptions { threads: 3, ..passes() }), &name);
@@ -524,19 +364,4 @@ fn constant_textures_are_numbers() {
     let (a, b) = (prepared(&bare, EffectsMode::Auto), prepared(&laid, EffectsMode::Auto));
     assert_eq!(a.plan, b.plan);
     check_equal(&picture(&a, &passes()), &picture(&b, &passes()), "constant textures");
-}
-
-/// Guards what `explain` says of textures, with the first thing that asks for each.
-#[test]
-fn the_plan_names_textures_with_a_witness() {
-    let scene = valid(&textured::everything_textured());
-    let plan = prepared(&scene, EffectsMode::Auto).plan.to_string();
-    for line in [
-        "simulated     textures        material \"material 2\" (and 2 more)",
-        "simulated     cut-outs        material \"material 4\" (and 1 more)",
-        "simulated     normal maps     material \"material 2\"",
-        "simulated     vertex colours  object \"object 4\"",
-    ] {
-        assert!(plan.contains(line), "{line}\n{plan}");
-    }
 }

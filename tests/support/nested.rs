@@ -128,7 +128,7 @@ pub(crate) fn nested() -> Vec<(String, Scene)> {
         (
             "a camera in a body of dye",
             under_water(dyed(1.0, 1), |scene| {
-                scene.sphere(MIDDLE + DVec3::new(0.7, 0.2, 0.6), 0.4, clear(1.5, 2));
+                scene.sphere(MIDDLE + DVec3::new(0.7, 0.2, 0.6), 0.4, clear(1.2, 2));
                 scene.sphere(DVec3::new(0.1, 1.3, 3.1), 0.5, clear(1.0, 9));
             }),
         ),

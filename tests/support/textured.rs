@@ -38,7 +38,7 @@ pub(crate) fn noise_image(scene: &mut Scene, number: u32) -> ImageId {
 }
 
 /// Random normals within 45 degrees or so of straight up.
-fn bumps(scene: &mut Scene) -> ImageId {
+pub(crate) fn bumps(scene: &mut Scene) -> ImageId {
     let normals = noise(77, 36).iter().map(|[r, g, _, _]| [64 + r / 2, 64 + g / 2, 230, 255]).collect();
     add_image(scene, 6, 6, Texels::Byte(normals))
 }
@@ -75,7 +75,7 @@ fn textured(number: u32, change: impl FnOnce(&mut Principled, Texture)) -> Scene
     })
 }
 
-fn channel(texture: Texture, channel: Channel) -> Option<ScalarTexture> {
+pub(crate) fn channel(texture: Texture, channel: Channel) -> Option<ScalarTexture> {
     Some(ScalarTexture { texture, channel })
 }
 

@@ -4,6 +4,7 @@ mod blender;
 mod gltf;
 mod golden;
 mod hard;
+mod instructions;
 mod report_plot;
 mod tidy;
 
@@ -26,6 +27,7 @@ enum Chore {
     GltfValidate(gltf::Arguments),
     Golden(golden::Arguments),
     Hard(hard::Arguments),
+    Instructions(instructions::Arguments),
     ReportPlot(report_plot::Arguments),
     Tidy(tidy::Arguments),
 }
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
         Chore::GltfValidate(arguments) => gltf::run(&arguments),
         Chore::Golden(arguments) => golden::run(&arguments),
         Chore::Hard(arguments) => hard::run(&arguments),
+        Chore::Instructions(arguments) => instructions::run(&arguments),
         Chore::ReportPlot(arguments) => report_plot::run(&arguments),
         Chore::Tidy(arguments) => tidy::run(&arguments),
     };

@@ -17,7 +17,7 @@ use compare::{Held, differences};
 const LARGE: u64 = 50_000;
 
 /// Scenes, and fixtures of every format that is read, in a fixed order.
-fn sources() -> Vec<PathBuf> {
+pub(crate) fn sources() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
     let mut folders = vec![root.join("scenes"), root.join("fixtures")];
@@ -41,7 +41,7 @@ fn sources() -> Vec<PathBuf> {
     files
 }
 
-fn read(path: &Path) -> Option<(Scene, Vec<Note>)> {
+pub(crate) fn read(path: &Path) -> Option<(Scene, Vec<Note>)> {
     let (mut scene, mut notes) = import::read(path, &ReadOptions::default()).ok()?;
     notes.extend(validate(&mut scene).ok()?);
     Some((scene, notes))
