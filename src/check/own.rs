@@ -7,7 +7,7 @@ use crate::accel::{PrimitiveId, RayKind};
 use crate::film::Image;
 use crate::integrate::naive::{ReferenceOptions, reference};
 use crate::integrate::{Control, Outcome, RenderOptions, RunError, render};
-use crate::prepare::{EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
 use crate::report::{Verdict, compare};
 use crate::scene::{MaterialKind, Mesh, Scene, Shape};
 use crate::shape::{Ray, offset_origin};
@@ -94,6 +94,7 @@ impl Own<'_> {
             effects,
             max_depth: scene.settings.max_depth,
             transparent: false,
+            algorithms: Algorithms::default(),
         };
         Ok(prepare(scene, &options)?)
     }

@@ -64,6 +64,7 @@ pub(super) struct PlanJson<'a> {
     left_out: Vec<LeftOutJson>,
     kernel: &'static str,
     replications: u32,
+    caustics: &'static str,
 }
 
 #[derive(Serialize)]
@@ -93,6 +94,7 @@ impl<'a> From<&'a Plan> for PlanJson<'a> {
             left_out: absent.map(|e| LeftOutJson { effect: e.name(), reason: e.reason_absent() }).collect(),
             kernel: plan.kernel().name,
             replications: plan.replications,
+            caustics: plan.caustics.name(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `li` compiled for a few sets of effects.
 
-use super::li::{Counters, Layers, li, li_in_layers};
+use super::li::{Counters, Layers, li, li_gathering, li_in_layers};
+use super::photon::PhotonMap;
 use crate::color::Rgb;
 use crate::prepare::{KERNELS, KernelSet, Plan, Prepared};
 use crate::sampling::Address;
@@ -12,6 +13,9 @@ pub type LiFn = fn(&Prepared, Address, Ray, &mut Counters) -> Rgb;
 /// The same radiance, and the parts that it consists of.
 pub type LayeredLiFn = fn(&Prepared, Address, Ray, &mut Counters) -> (Rgb, Layers);
 
+/// The same where paths gather the photons of their pass.
+pub(super) type GatheringLiFn = fn(&Prepared, &PhotonMap, Address, Ray, &mut Counters) -> (Rgb, Layers);
+
 /// A compiled transport loop.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
@@ -21,6 +25,8 @@ pub struct Kernel {
     pub li: LiFn,
     /// The same, with its parts.
     pub layered: LayeredLiFn,
+    /// The same with photons.
+    pub(super) gathering: GatheringLiFn,
 }
 
 /// The kernel that a plan names.
@@ -36,5 +42,12 @@ pub fn kernel(plan: &Plan) -> Kernel {
         li_in_layers::<{ KERNELS[1].simulates.0 }>,
         li_in_layers::<{ KERNELS[2].simulates.0 }>,
     ];
-    Kernel { set: plan.kernel(), li: compiled[plan.kernel], layered: layered[plan.kernel] }
+    // Nothing throws light in a scene without mirrors and glass.
+    let gathering: [GatheringLiFn; KERNELS.len()] = [
+        li_gathering::<{ KERNELS[1].simulates.0 }>,
+        li_gathering::<{ KERNELS[1].simulates.0 }>,
+        li_gathering::<{ KERNELS[2].simulates.0 }>,
+    ];
+    let i = plan.kernel;
+    Kernel { set: plan.kernel(), li: compiled[i], layered: layered[i], gathering: gathering[i] }
 }

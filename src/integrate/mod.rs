@@ -9,6 +9,7 @@ mod direct;
 mod kernels;
 mod li;
 pub mod naive;
+mod photon;
 
 mod render;
 pub mod report;

@@ -9,7 +9,9 @@
 //! scaled by it.
 
 mod albedo;
+mod algorithm;
 mod camera;
+mod casters;
 mod cutout;
 mod detail;
 mod fold;
@@ -23,7 +25,9 @@ mod surface;
 mod texture;
 mod varying;
 
-pub use camera::CameraRays;
+pub use algorithm::{Algorithms, Caustics, CausticsMode};
+pub use camera::{CameraRays, Seen};
+pub(crate) use casters::Casting;
 pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
 pub use plan::{Effect, Effects, KERNELS, KernelSet, Need, Plan, analyse};
@@ -49,6 +53,8 @@ pub struct Options {
     pub max_depth: Option<u32>,
     /// Whether camera rays that leave the scene see nothing, instead of what shines from there.
     pub transparent: bool,
+    /// Which estimators run.
+    pub algorithms: Algorithms,
 }
 
 /// Which kernel runs; the picture is the same.
@@ -117,6 +123,8 @@ pub struct Prepared {
     /// Whether there is a surface that light may pass without being scattered.
     cutouts: bool,
     object_materials: Vec<u32>,
+    /// Where photons start, if there are any.
+    casting: Option<Box<Casting>>,
 }
 
 /// Replications of a picture of this many pixels: independent sequences whose means give the error.
@@ -152,11 +160,14 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
     let radiance_format =
         FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));
     let cutouts = scene.objects.iter().any(|o| materials[o.material.0 as usize].cutout.is_some());
+    let lights = LightSet::new(lights, flat.primitives, flat.radius);
+    let casting =
+        (plan.caustics != Caustics::Path).then(|| Box::new(Casting::new(scene, &folded, &flat, &lights)));
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
     Ok(Prepared {
         plan,
         accel,
-        lights: LightSet::new(lights, flat.primitives, flat.radius),
+        lights,
         materials,
         camera: CameraRays::new(camera, options.size),
         size: options.size,
@@ -169,6 +180,7 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
         details,
         cutouts,
         object_materials: scene.objects.iter().map(|o| o.material.0).collect(),
+        casting,
     })
 }
 
@@ -178,5 +190,12 @@ impl Prepared {
     #[must_use]
     pub fn material_of(&self, object: u32) -> u32 {
         self.object_materials[object as usize]
+    }
+
+    /// Where photons start; `None` where the plan has none.
+    #[inline]
+    #[must_use]
+    pub(crate) fn casting(&self) -> Option<&Casting> {
+        self.casting.as_deref()
     }
 }

@@ -7,6 +7,7 @@
 
 use std::fmt;
 
+use super::algorithm::{Caustics, caustics};
 use super::fold::fold;
 use super::material::{self, Numbers};
 use super::{EffectsMode, Options};
@@ -185,6 +186,8 @@ pub struct Plan {
     pub kernel: usize,
     /// Replications: independent low-discrepancy sequences that take turns, pass by pass.
     pub replications: u32,
+    /// How caustics are found.
+    pub caustics: Caustics,
 }
 
 impl Plan {
@@ -217,6 +220,9 @@ impl fmt::Display for Plan {
         let covers =
             if self.kernel().simulates == effects { "exactly this" } else { "covers all of the above" };
         writeln!(f, "{:<14}{:<16}{covers}", "kernel", self.kernel().name)?;
+        if self.caustics != Caustics::Path {
+            writeln!(f, "{:<14}{:<16}{}", "caustics", self.caustics.name(), self.caustics.what())?;
+        }
         write!(
             f,
             "{:<14}{:<16}independent sequences; their means give the error",
@@ -286,7 +292,8 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
         EffectsMode::Auto => KERNELS.iter().position(|k| k.simulates.covers(effects)).unwrap_or(everything),
     };
     let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
-    Plan { needs, kernel, replications: super::replications(pixels) }
+    let caustics = caustics(scene, &folded, options);
+    Plan { needs, kernel, replications: super::replications(pixels), caustics }
 }
 
 /// What a folded material calls for, where `colored` says that vertices have colours.
