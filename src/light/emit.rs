@@ -64,10 +64,11 @@ impl PhotonLights {
     pub fn emit(&self, lights: &LightSet, u: [f32; 4], v: [f32; 4]) -> Option<Emission> {
         let (i, pmf, _) = self.choice.sample(u[0])?;
         let (uv, aim) = ([u[1], u[2]], [v[0], v[1], v[2]]);
-        let area = |s: SurfaceSample, area: f64, radiance, both: bool, spot: Option<&Spot>, ids: PrimitiveId| {
-            let chance = f64::from(pmf) / area;
-            self.from_surface(s, radiance, chance, both.then_some(v[3]), spot, ids, aim)
-        };
+        let area =
+            |s: SurfaceSample, area: f64, radiance, both: bool, spot: Option<&Spot>, ids: PrimitiveId| {
+                let chance = f64::from(pmf) / area;
+                self.from_surface(s, radiance, chance, both.then_some(v[3]), spot, ids, aim)
+            };
         let none = PrimitiveId::NONE;
         match &lights.emitters()[i] {
             Emitter::Triangle { shape, radiance, both_sides, primitive } => {
