@@ -18,12 +18,19 @@ use crate::prepare::{Effect, Effects, Prepared};
 /// Photons in a leaf, at most.
 const LEAF: usize = 8;
 
-/// Width of the disk that photons are gathered from in the first pass, in pixels at the distance of the point:
-/// its radius where the point is seen in mirrors and through glass only.
-const RADIUS: f32 = 2.0;
+/// Radius of the disk that photons are gathered from in the first pass, in pixels at the distance of the point,
+/// where the point is seen in mirrors and through glass only.
+const RADIUS: f32 = 1.5;
 
 /// The same where light has been spread on the way: what is then seen of the caustic is blurred anyway.
-const RADIUS_SPREAD: f32 = 8.0;
+const RADIUS_SPREAD: f32 = 3.0;
+
+/// No radius in the first pass is larger than this share of the smallest thing that throws light, whose size
+/// is that of the caustic's features, but for [`RADIUS_LEAST`] pixels.
+const RADIUS_OF_TARGET: f32 = 0.2;
+
+/// Least radius in the first pass, in pixels.
+const RADIUS_LEAST: f32 = 0.5;
 
 /// The alpha of the sequence of radii: squared error falls fastest for 2/3 (Kaplanyan and Dachsbacher, TOG 2013).
 const ALPHA: f64 = 2.0 / 3.0;
@@ -36,9 +43,18 @@ pub(in crate::integrate) struct PhotonMap {
     photons: Vec<Photon>,
     /// Axis along which each photon splits its range.
     axes: Vec<u8>,
-    /// Factor on the radius in this pass, and the least distance that it is proportional to.
-    scale: f32,
-    nearest: f32,
+    scale: Scale,
+}
+
+/// What radii follow from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scale {
+    /// Factor in this pass.
+    pub(super) factor: f32,
+    /// The least distance from the camera that they are proportional to, metres.
+    pub(super) nearest: f32,
+    /// Radius of the smallest thing that throws light, metres.
+    pub(super) smallest: f32,
 }
 
 /// The factor on the radius in a pass, counted from zero: sqrt(prod (j + a) / (j + 1)) over j = 1 .. pass.
@@ -48,12 +64,20 @@ pub(super) fn radius_scale(pass: u32) -> f32 {
 }
 
 impl PhotonMap {
-    pub(super) fn new(photons: Vec<Photon>, scale: f32, nearest: f32) -> Self {
+    pub(super) fn new(photons: Vec<Photon>, scale: Scale) -> Self {
         let mut order: Vec<(Vec3, u32)> = photons.iter().zip(0..).map(|(p, i)| (p.p, i)).collect();
         let mut axes = vec![0; order.len()];
         split(&mut order, &mut axes);
         let photons = order.iter().map(|&(_, i)| photons[i as usize]).collect();
-        Self { photons, axes, scale, nearest }
+        Self { photons, axes, scale }
+    }
+
+    /// The radius of the disk around `p`; `spread` says whether light has been spread on its way from there.
+    fn radius(&self, scene: &Prepared, p: Vec3, spread: bool) -> f32 {
+        let Scale { factor, nearest, smallest } = self.scale;
+        let pixel = scene.camera.footprint(p, nearest);
+        let width = if spread { RADIUS_SPREAD } else { RADIUS };
+        (width * pixel).min(RADIUS_OF_TARGET * smallest).max(RADIUS_LEAST * pixel) * factor
     }
 
     /// Calls `found` for each photon whose distance from `p` is at most `r`, with the square of that.
@@ -123,8 +147,7 @@ pub(in crate::integrate) fn caustics_at<const FX: u32>(
     media: [Option<u32>; 2],
     (depth, spread): (u32, bool),
 ) -> Rgb {
-    let width = if spread { RADIUS_SPREAD } else { RADIUS };
-    let r = scene.camera.footprint(context.p, map.nearest) * width * map.scale;
+    let r = map.radius(scene, context.p, spread);
     let inv_r2 = 1.0 / (r * r);
     // Events that a photon may have had, so that the whole path keeps the cap.
     let most = scene.max_depth.map_or(u32::MAX, |cap| cap.saturating_sub(depth + 1));
@@ -174,7 +197,7 @@ mod tests {
     fn the_tree_finds_what_is_there() {
         for n in [0, 1, 8, 9, 17, 1000, 4097] {
             let all = photons(n);
-            let map = PhotonMap::new(all.clone(), 1.0, 0.0);
+            let map = PhotonMap::new(all.clone(), Scale { factor: 1.0, nearest: 1.0, smallest: 1.0 });
             for (i, r) in [(3u64, 0.05f32), (10, 0.3), (77, 0.0), (5, 2.0)] {
                 let p = photons(i + 1)[i as usize].p;
                 let mut found = Vec::new();
@@ -192,7 +215,7 @@ mod tests {
     fn radii_shrink() {
         assert_eq!(radius_scale(0), 1.0);
         assert!((radius_scale(1) - (5.0f32 / 6.0).sqrt()).abs() < 1e-6);
-        let ratio = (radius_scale(8000) / radius_scale(1000)).powi(2);
+        let ratio = crate::math::sqr(radius_scale(8000) / radius_scale(1000));
         assert!((ratio - 0.5).abs() < 1e-3, "{ratio}");
     }
 }

@@ -25,6 +25,7 @@ pub(super) use splat::Splat;
 pub(super) use trace::Photon;
 
 use super::li::Counters;
+use crate::light::SphereLight;
 use crate::prepare::{Casting, Caustics, Prepared};
 use crate::sampling::Address;
 
@@ -95,13 +96,15 @@ impl<'a> Tracer<'a> {
 
     /// The map of a pass from all of its photons, part after part.
     pub(super) fn map(&self, pass: u32, parts: Vec<Vec<Photon>>) -> PhotonMap {
-        PhotonMap::new(parts.concat(), map::radius_scale(pass), self.nearest())
-    }
-
-    /// Distance of the camera to the nearest target, to its middle and at least its size; metres. Closer
-    /// points gather as from there.
-    fn nearest(&self) -> f32 {
-        let away = |t: &crate::light::Target| self.scene.camera.distance(t.ball.center).max(t.ball.radius);
-        self.casting.lights.aim().targets().iter().map(away).fold(f32::INFINITY, f32::min)
+        let targets = || self.casting.lights.aim().targets().iter().map(|t| t.ball);
+        let least = |lengths: &mut dyn Iterator<Item = f32>| lengths.fold(f32::INFINITY, f32::min);
+        // What is nearer to the camera than the nearest target gathers as from there.
+        let away = |b: SphereLight| self.scene.camera.distance(b.center).max(b.radius);
+        let scale = map::Scale {
+            factor: map::radius_scale(pass),
+            nearest: least(&mut targets().map(away)),
+            smallest: least(&mut targets().map(|b| b.radius)),
+        };
+        PhotonMap::new(parts.concat(), scale)
     }
 }
