@@ -161,6 +161,16 @@ impl Accel {
         simd::occluded(self, ray, between)
     }
 
+    /// Whether camera rays pass through a primitive.
+    #[must_use]
+    pub fn is_hidden(&self, id: PrimitiveId) -> bool {
+        if id.instance == 0 {
+            self.spaces[0].geometry.hidden.get(id.primitive as usize).copied().unwrap_or(false)
+        } else {
+            self.instances[id.instance as usize - 1].hidden
+        }
+    }
+
     /// The geometry of a space: 0 the world, i + 1 the repeated mesh i.
     #[must_use]
     pub fn geometry(&self, space: u32) -> &Geometry {

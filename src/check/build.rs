@@ -10,7 +10,7 @@ use super::random::Random;
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::integrate::{Counters, LiFn, kernel};
-use crate::prepare::{EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
 use crate::sampling::Address;
 use crate::scene::{
     Environment, Glass, Light, LightKind, Material, MaterialId, MaterialKind, Mesh, MeshId, Object,
@@ -167,7 +167,15 @@ impl Shooter {
         (scene.lights, scene.environment) = (lights, environment);
         let seed = Random::of(id).bits();
         let effects = EffectsMode::Auto;
-        let options = Options { camera: None, size: [1, 1], seed, effects, max_depth, transparent: false };
+        let options = Options {
+            camera: None,
+            size: [1, 1],
+            seed,
+            effects,
+            max_depth,
+            transparent: false,
+            algorithms: Algorithms::default(),
+        };
         let prepared = prepare(&scene, &options).ok()?;
         let li = kernel(&prepared.plan).li;
         Some(Self { prepared, li })

@@ -8,7 +8,7 @@ use super::scaling::{moved, scaled};
 use crate::film::Image;
 use crate::integrate::naive::{ReferenceOptions, reference};
 use crate::integrate::{Control, Outcome, RenderOptions, RunError, render};
-use crate::prepare::{EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
 use crate::report::{Verdict, compare};
 use crate::scene::{Scene, Shape};
 
@@ -97,6 +97,7 @@ impl Own<'_> {
             effects,
             max_depth: scene.settings.max_depth,
             transparent: false,
+            algorithms: Algorithms::default(),
         };
         Ok(prepare(scene, &options)?)
     }

@@ -8,7 +8,7 @@ use super::{Case, Class, Effort, Figure, scaled};
 use crate::color::Rgb;
 use crate::film::Image;
 use crate::integrate::{Outcome, Quiet, RenderOptions, render};
-use crate::prepare::{EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
 use crate::report::compare;
 use crate::scene::{Scene, complete, text, validate};
 
@@ -44,6 +44,7 @@ fn ready(scene: &Scene, size: [u32; 2], seed: u64) -> Option<Prepared> {
         effects: EffectsMode::Auto,
         max_depth: scene.settings.max_depth,
         transparent: false,
+        algorithms: Algorithms::default(),
     };
     prepare(scene, &options).ok()
 }
@@ -76,6 +77,7 @@ fn constant(_: Effort) -> Vec<Figure> {
         effects: EffectsMode::Auto,
         max_depth: None,
         transparent: false,
+        algorithms: Algorithms::default(),
     };
     let Ok(prepared) = prepare(&scene, &options) else { return unmeasured("a sky") };
     let shoot = |crop: Option<[u32; 4]>| {

@@ -9,7 +9,7 @@ use super::{Effort, Figure};
 use crate::color::Rgb;
 use crate::film::Image;
 use crate::integrate::{Counters, Kernel, Quiet, RenderOptions, kernel, render};
-use crate::prepare::{EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
 use crate::sampling::Address;
 use crate::scene::{
     Absorption, Camera, Environment, FovAxis, Glass, Lens, Material, MaterialId, MaterialKind, Mesh, MeshId,
@@ -113,8 +113,15 @@ pub(super) fn prepared(mut scene: Scene, id: &str, size: [u32; 2]) -> Option<Pre
         scene.cameras.push(camera(DAffine3::IDENTITY, 40.0, None));
     }
     let effects = EffectsMode::Auto;
-    let options =
-        Options { camera: None, size, seed: seed(id), effects, max_depth: None, transparent: false };
+    let options = Options {
+        camera: None,
+        size,
+        seed: seed(id),
+        effects,
+        max_depth: None,
+        transparent: false,
+        algorithms: Algorithms::default(),
+    };
     prepare(&scene, &options).ok()
 }
 

@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use super::Figure;
 use super::random::Random;
 use crate::color::Rgb;
-use crate::prepare::{EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
 use crate::scene::{
     Camera, FovAxis, Material, MaterialId, MaterialKind, Mesh, MeshId, Object, Projection, Scene, Shape,
     Sides, validate,
@@ -186,6 +186,7 @@ pub(super) fn prepared(mut scene: Scene, eye: DVec3, max_depth: Option<u32>) -> 
         effects: EffectsMode::Auto,
         max_depth,
         transparent: false,
+        algorithms: Algorithms::default(),
     };
     prepare(&scene, &options).ok()
 }

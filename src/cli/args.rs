@@ -12,7 +12,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::units;
 use crate::import::LightUnits;
 use crate::integrate::report::Slips;
-use crate::prepare::EffectsMode;
+use crate::prepare::{Algorithms, CausticsMode, EffectsMode};
 use crate::scene::ToneCurve;
 
 const STYLES: Styles = Styles::styled()
@@ -159,6 +159,9 @@ pub(super) struct RenderArgs {
     #[arg(long, value_enum, default_value_t, value_name = "SET")]
     pub(super) effects: EffectsArg,
 
+    #[command(flatten)]
+    pub(super) algorithms: AlgorithmArgs,
+
     /// How light is simulated
     #[arg(long, value_enum, default_value_t)]
     pub(super) method: Method,
@@ -215,6 +218,9 @@ pub(super) struct ExplainArgs {
     /// Which transport loop would run
     #[arg(long, value_enum, default_value_t, value_name = "SET")]
     pub(super) effects: EffectsArg,
+
+    #[command(flatten)]
+    pub(super) algorithms: AlgorithmArgs,
 
     /// Print JSON (epsilux.explain/1)
     #[arg(long)]
@@ -435,6 +441,36 @@ impl From<EffectsArg> for EffectsMode {
             EffectsArg::Auto => Self::Auto,
             EffectsArg::All => Self::All,
         }
+    }
+}
+
+/// Which estimators run.
+#[derive(Args, Debug)]
+pub(super) struct AlgorithmArgs {
+    /// Choose an estimator: caustics=path (light in mirrors' and glasses' light is met by chance) or
+    /// caustics=photon (photons from the lights) [default: caustics=path]
+    #[arg(long, value_name = "WHAT=HOW", value_parser = algorithm)]
+    pub(super) algorithm: Vec<CausticsMode>,
+
+    /// No estimator whose error does not vanish on average: caustics=photon then traces photons to what the
+    /// camera sees directly, and keeps no photon map
+    #[arg(long)]
+    pub(super) unbiased: bool,
+}
+
+impl AlgorithmArgs {
+    /// As meant; the last of several choices counts.
+    pub(super) fn meant(&self) -> Algorithms {
+        let caustics = self.algorithm.last().copied().unwrap_or_default();
+        Algorithms { caustics, unbiased: self.unbiased }
+    }
+}
+
+fn algorithm(text: &str) -> Result<CausticsMode, String> {
+    match text {
+        "caustics=path" => Ok(CausticsMode::Path),
+        "caustics=photon" => Ok(CausticsMode::Photon),
+        _ => Err("expected caustics=path or caustics=photon".to_owned()),
     }
 }
 

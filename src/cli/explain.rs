@@ -33,6 +33,7 @@ pub(super) fn run(args: &ExplainArgs, console: &Console) -> Result<Code, Failure
         effects: args.effects.into(),
         max_depth: loaded.scene.settings.max_depth,
         transparent: false,
+        algorithms: args.algorithms.meant(),
     };
     let plan = analyse(&loaded.scene, camera, &options);
     if args.json {

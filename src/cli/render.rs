@@ -66,11 +66,13 @@ fn check_flags(args: &RenderArgs, outputs: &[PathBuf]) -> Result<(), Failure> {
         Method::Report => ("report", true),
     };
     let others = args.method != Method::Default;
-    let without: [(&str, bool); 6] = [
+    let without: [(&str, bool); 8] = [
         ("--time", others && args.time.is_some()),
         ("--aov", others && !args.aov.is_empty()),
         ("--transparent", others && args.transparent),
         ("--effects", others && EffectsMode::from(args.effects) != EffectsMode::Auto),
+        ("--algorithm", others && !args.algorithms.algorithm.is_empty()),
+        ("--unbiased", others && args.algorithms.unbiased),
         ("--progress json", !progress && args.progress == ProgressArg::Json),
         ("--as-printed", args.method != Method::Report && args.as_printed.is_some()),
     ];
@@ -163,6 +165,7 @@ impl Job {
                 effects: EffectsMode::Auto,
                 max_depth: hints.max_depth,
                 transparent: false,
+                algorithms: prepare::Algorithms::default(),
             },
             camera: camera.name.clone(),
             passes: hints.spp.unwrap_or(64).clamp(1, MAX_SAMPLES),
@@ -189,6 +192,7 @@ impl Job {
         job.prepare.seed = args.seed;
         job.prepare.effects = args.effects.into();
         job.prepare.transparent = args.transparent;
+        job.prepare.algorithms = args.algorithms.meant();
         job.prepare.max_depth = args.max_depth.or(job.prepare.max_depth);
         job.passes = match (args.spp, args.time) {
             (Some(spp), _) => spp,
@@ -397,6 +401,9 @@ impl Job {
             ("max_depth", self.prepare.max_depth.map_or("none".to_owned(), |d| d.to_string())),
             ("effects", effects),
         ];
+        if self.method == Method::Default {
+            list.push(("caustics", rendered.plan.caustics.name().to_owned()));
+        }
         if self.method != Method::Reference {
             list.push(("replications", rendered.plan.replications.to_string()));
         }

@@ -154,27 +154,9 @@ impl Film {
     /// The reason, where the sample is not a radiance; it is then counted and leaves no other trace.
     pub fn add(&mut self, pixel: usize, pass: u32, sample: &Sample) -> Result<(), Refusal> {
         let c = planted!(nan_black(sample.radiance.to_array()));
+        let cell = self.accumulate(pixel, pass, c)?;
         let format = self.layout.radiance;
-        let refusal = if c.iter().any(|v| v.is_nan()) {
-            Some(Refusal::NotANumber)
-        } else if c.iter().any(|&v| v < 0.0) {
-            Some(Refusal::Negative)
-        } else if c.iter().any(|&v| !format.holds(v)) {
-            Some(Refusal::Overflow)
-        } else {
-            None
-        };
-        if let Some(refusal) = refusal {
-            self.refused[refusal as usize] += 1;
-            return Err(refusal);
-        }
-        let k = self.layout.replications;
-        let cell = pixel * k as usize + (pass % k) as usize;
         self.counts[cell] += 1;
-        for (sum, v) in self.sums[cell].iter_mut().zip(c) {
-            let with = *sum + format.encode(v);
-            *sum = planted!(running_mean(with, *sum, self.counts[cell]));
-        }
         if let Some(sums) = &mut self.layers {
             for (sum, part) in sums.sums[pixel].iter_mut().zip(sample.layers.unwrap_or_default()) {
                 for (sum, v) in sum.iter_mut().zip(part.to_array()) {
@@ -204,6 +186,54 @@ impl Film {
             }
         }
         Ok(())
+    }
+
+    /// Adds to the sample of `pass` at `pixel` what light of one layer brought there by another way; it does
+    /// not count as a sample.
+    ///
+    /// # Errors
+    /// As for [`Self::add`].
+    pub fn splat(
+        &mut self,
+        pixel: usize,
+        pass: u32,
+        radiance: Rgb,
+        layer: LightLayer,
+    ) -> Result<(), Refusal> {
+        let c = radiance.to_array();
+        self.accumulate(pixel, pass, c)?;
+        let format = self.layout.radiance;
+        if let Some(sums) = &mut self.layers {
+            for (sum, v) in sums.sums[pixel][layer as usize].iter_mut().zip(c) {
+                *sum += format.encode(v);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds to a sum, whose index it gives; or refuses what is no radiance, and counts that.
+    fn accumulate(&mut self, pixel: usize, pass: u32, c: [f32; 3]) -> Result<usize, Refusal> {
+        let format = self.layout.radiance;
+        let refusal = if c.iter().any(|v| v.is_nan()) {
+            Some(Refusal::NotANumber)
+        } else if c.iter().any(|&v| v < 0.0) {
+            Some(Refusal::Negative)
+        } else if c.iter().any(|&v| !format.holds(v)) {
+            Some(Refusal::Overflow)
+        } else {
+            None
+        };
+        if let Some(refusal) = refusal {
+            self.refused[refusal as usize] += 1;
+            return Err(refusal);
+        }
+        let k = self.layout.replications;
+        let cell = pixel * k as usize + (pass % k) as usize;
+        for (sum, v) in self.sums[cell].iter_mut().zip(c) {
+            let with = *sum + format.encode(v);
+            *sum = planted!(running_mean(with, *sum, self.counts[cell] + 1));
+        }
+        Ok(cell)
     }
 
     /// Adds what another film holds; the same as if its samples had been added here.

@@ -1,11 +1,13 @@
 //! Next-event estimation.
 
+use glam::Vec3;
+
 use super::li::{Counters, FAR_CAP, interior};
 use super::scatter;
 use crate::accel::{PrimitiveId, RayKind};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
-use crate::light::{LightContext, LightSample};
+use crate::light::LightContext;
 use crate::mutants::planted;
 use crate::prepare::{Detail, Effect, Medium, Prepared};
 use crate::shape::{Ray, offset_origin};
@@ -49,7 +51,8 @@ pub(super) fn direct_light<const FX: u32>(
     if (fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy))
         && light.target != PrimitiveId::NONE
     {
-        ld *= emitted_share(scene, &light);
+        let ray = &light.shadow_ray;
+        ld *= emitted_share(scene, light.target, ray.at(ray.t_max), light.cos);
     }
     if ld.is_black() {
         return Rgb::BLACK;
@@ -71,24 +74,23 @@ pub(super) fn direct_light<const FX: u32>(
     ld
 }
 
-/// The factor on a sampled light that is a surface: the texel of its emission where the ray ends, the share
-/// of the surface that is there, and what layers on it leave.
+/// The factor on light that leaves the point `p` of the surface `id` at a cosine: the texel of its emission
+/// there, the share of the surface that is there, and what layers on it leave.
 #[inline]
-fn emitted_share(scene: &Prepared, light: &LightSample) -> Rgb {
-    let (material, object) = scene.material_at(light.target);
+pub(super) fn emitted_share(scene: &Prepared, id: PrimitiveId, p: Vec3, cos: f32) -> Rgb {
+    let (material, object) = scene.material_at(id);
     if !material.detailed {
-        return Rgb::grey(material.emission_scale(&Detail::NONE, light.cos));
+        return Rgb::grey(material.emission_scale(&Detail::NONE, cos));
     }
-    let ray = &light.shadow_ray;
-    let hit = scene.hit_at(light.target, ray.at(ray.t_max));
+    let hit = scene.hit_at(id, p);
     let detail = scene.detail(object, &hit);
-    let nominal = scene.lights.of_surface(light.target).map(|id| scene.lights.nominal(id));
+    let nominal = scene.lights.of_surface(id).map(|id| scene.lights.nominal(id));
     let texel = match (&material.emission, nominal) {
         (Some(glow), Some(nominal)) => glow.share(nominal, &detail.uv),
         _ => Rgb::WHITE,
     };
     let there = material.cutout.as_ref().map_or(1.0, |c| c.coverage(&detail));
-    texel * (there * material.emission_scale(&detail, light.cos))
+    texel * (there * material.emission_scale(&detail, cos))
 }
 
 /// The share of light that passes everything that is in the way of a shadow ray, which starts in `medium`.

@@ -1,6 +1,7 @@
 //! `li` compiled for a few sets of effects.
 
 use super::li::{Counters, Layers, li, li_in_layers};
+use super::photon::PhotonMap;
 use crate::color::Rgb;
 use crate::prepare::{Effects, KERNELS, KernelSet, Plan, Prepared};
 use crate::sampling::Address;
@@ -9,8 +10,8 @@ use crate::shape::Ray;
 /// Radiance along a camera ray, W sr^-1 m^-2, for one set of effects.
 pub type LiFn = fn(&Prepared, Address, Ray, &mut Counters) -> Rgb;
 
-/// The same radiance, and the parts that it consists of.
-pub type LayeredLiFn = fn(&Prepared, Address, Ray, &mut Counters) -> (Rgb, Layers);
+/// The same radiance, and the parts that it consists of; where there is a map, with the photons of the pass.
+pub(super) type LayeredLiFn = fn(&Prepared, Option<&PhotonMap>, Address, Ray, &mut Counters) -> (Rgb, Layers);
 
 /// A compiled transport loop.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +21,7 @@ pub struct Kernel {
     /// Radiance along a camera ray.
     pub li: LiFn,
     /// The same, with its parts.
-    pub layered: LayeredLiFn,
+    pub(super) layered: LayeredLiFn,
 }
 
 /// The kernel that a plan names.
@@ -40,5 +41,6 @@ pub fn kernel(plan: &Plan) -> Kernel {
         li_in_layers::<{ KERNELS[3].simulates.0 }>,
         li_in_layers::<{ Effects::AT_RUN_TIME.0 }>,
     ];
-    Kernel { set: plan.kernel(), li: compiled[plan.kernel], layered: layered[plan.kernel] }
+    let i = plan.kernel;
+    Kernel { set: plan.kernel(), li: compiled[i], layered: layered[i] }
 }

@@ -11,6 +11,7 @@
 use glam::Vec3;
 
 use super::direct::{direct_light, mis_weight};
+use super::photon::{PhotonMap, caustics_at};
 use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
 use crate::bsdf::Transport;
@@ -18,7 +19,7 @@ use crate::color::Rgb;
 use crate::film::LightLayer;
 use crate::light::LightContext;
 use crate::mutants::planted;
-use crate::prepare::{Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
+use crate::prepare::{Caustics, Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
@@ -64,8 +65,10 @@ struct PathState {
     layers: Layers,
     /// Whether its first event had no spread: the camera looks into a mirror or through glass.
     through: bool,
-    /// Whether one of its events had a spread.
-    spread: bool,
+    /// How many of its events had a spread.
+    spread: u32,
+    /// Which caustics it leaves to photons.
+    caustics: Caustics,
     /// The last scattering event where it had a density; `None` after the camera and after delta lobes.
     sampled: Option<Sampled>,
     /// What the path is in.
@@ -86,25 +89,27 @@ pub(super) fn li<const FX: u32>(
     ray: Ray,
     counters: &mut Counters,
 ) -> Rgb {
-    let mut path = PathState::new(ray, scene.start);
-    while let Next::Continue = step::<FX, false>(scene, &address, &mut path, counters) {}
+    let mut path = PathState::new(scene, ray);
+    while let Next::Continue = step::<FX, false>(scene, None, &address, &mut path, counters) {}
     path.radiance
 }
 
-/// The same radiance, and the parts that it consists of.
+/// The same radiance, and the parts that it consists of; where there is a map, the path gathers the photons of
+/// its pass.
 pub(super) fn li_in_layers<const FX: u32>(
     scene: &Prepared,
+    map: Option<&PhotonMap>,
     address: Address,
     ray: Ray,
     counters: &mut Counters,
 ) -> (Rgb, Layers) {
-    let mut path = PathState::new(ray, scene.start);
-    while let Next::Continue = step::<FX, true>(scene, &address, &mut path, counters) {}
+    let mut path = PathState::new(scene, ray);
+    while let Next::Continue = step::<FX, true>(scene, map, &address, &mut path, counters) {}
     (path.radiance, path.layers)
 }
 
 impl PathState {
-    fn new(ray: Ray, medium: Medium) -> Self {
+    fn new(scene: &Prepared, ray: Ray) -> Self {
         Self {
             ray,
             from: NOWHERE,
@@ -113,23 +118,33 @@ impl PathState {
             beta: Rgb::WHITE,
             radiance: Rgb::BLACK,
             sampled: None,
-            medium,
+            medium: scene.start,
             eta_scale: 1.0,
             layers: [Rgb::BLACK; LightLayer::ALL.len()],
             through: false,
-            spread: false,
+            spread: 0,
+            caustics: scene.plan.caustics,
         }
     }
 
-    /// Adds light that the path met on its way.
+    /// Whether light that the path meets now is a caustic: its last event had no spread, an earlier one had.
+    #[inline(always)]
+    fn meets_caustic(&self) -> bool {
+        self.sampled.is_none() && self.spread > 0
+    }
+
+    /// Adds light that the path met on its way, unless photons supply it.
     #[inline(always)]
     fn meet<const LAYERS: bool>(&mut self, found: Rgb) {
+        if self.meets_caustic() && self.caustics.by_photons(self.spread == 1 && !self.through) {
+            return;
+        }
         let radiance = planted!(clamp(found));
         self.radiance += radiance;
         if LAYERS {
             let layer = match (self.depth, &self.sampled) {
                 (0, _) => LightLayer::Emitted,
-                (_, None) if self.spread => LightLayer::Caustic,
+                (_, None) if self.spread > 0 => LightLayer::Caustic,
                 _ if self.through => LightLayer::Glass,
                 (1, _) => LightLayer::Direct,
                 _ => LightLayer::Indirect,
@@ -152,12 +167,22 @@ impl PathState {
             self.layers[layer as usize] += radiance;
         }
     }
+
+    /// Adds the light of photons.
+    #[inline(always)]
+    fn gather<const LAYERS: bool>(&mut self, radiance: Rgb) {
+        self.radiance += radiance;
+        if LAYERS {
+            self.layers[LightLayer::Caustic as usize] += radiance;
+        }
+    }
 }
 
-/// From one vertex to the next.
+/// From one vertex to the next; at each but the first, photons of `map` are gathered where there is one.
 #[inline(always)]
 fn step<const FX: u32, const LAYERS: bool>(
     scene: &Prepared,
+    map: Option<&PhotonMap>,
     address: &Address,
     path: &mut PathState,
     counters: &mut Counters,
@@ -278,6 +303,13 @@ fn step<const FX: u32, const LAYERS: bool>(
         let media = [path.medium, beyond];
         let ld = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters);
         path.lit::<LAYERS>(path.beta * ld);
+        if let Some(map) = map
+            && path.depth > 0
+        {
+            let place = (path.depth, path.spread > 0);
+            let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
+            path.gather::<LAYERS>(path.beta * caustics);
+        }
     }
 
     // Continue the path in a direction chosen by the BSDF.
@@ -291,10 +323,8 @@ fn step<const FX: u32, const LAYERS: bool>(
     if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
         path.medium = beyond;
     }
-    if LAYERS {
-        path.through |= path.depth == 0 && sample.delta;
-        path.spread |= !sample.delta;
-    }
+    path.through |= path.depth == 0 && sample.delta;
+    path.spread += u32::from(!sample.delta);
     path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
     path.from = leaving;
@@ -318,7 +348,7 @@ const fn varies(fx: Effects) -> bool {
 
 /// Whether a surface is there for a path: by chance where a share of it is.
 #[inline]
-fn is_there(
+pub(super) fn is_there(
     material: &PreparedMaterial,
     detail: &Detail,
     address: &Address,
@@ -385,7 +415,12 @@ pub(super) fn first_surface(scene: &Prepared, address: &Address, ray: Ray) -> Op
 /// The medium on the other side of a surface of `material`, where that on the side of `wo` is `medium`:
 /// the interior from the front, what bodies around absorb from the back, and the same where nothing is
 /// enclosed.
-fn medium_beyond(scene: &Prepared, medium: Medium, material: u32, context: &LightContext) -> Medium {
+pub(super) fn medium_beyond(
+    scene: &Prepared,
+    medium: Medium,
+    material: u32,
+    context: &LightContext,
+) -> Medium {
     let m = &scene.materials[material as usize];
     if !m.encloses {
         return medium;

@@ -9,6 +9,7 @@ mod direct;
 mod kernels;
 mod li;
 pub mod naive;
+mod photon;
 
 mod render;
 pub mod report;
@@ -16,7 +17,7 @@ mod roulette;
 mod scatter;
 
 pub(crate) use direct::mis_weight;
-pub use kernels::{Kernel, LayeredLiFn, LiFn, kernel};
+pub use kernels::{Kernel, LiFn, kernel};
 pub use li::{Counters, Layers};
 pub use render::{
     BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, render, replay,

@@ -5,16 +5,22 @@
 //! barrier; the samples of a pass wait until all its tiles are done and are then added to the film
 //! together, so that the film always holds whole passes. The order in which they arrive does not
 //! matter to its bytes.
+//!
+//! Where the plan has photons, those of a pass are traced in parts that are handed out a whole pass before its
+//! tiles, so that tiles hardly ever wait for them: the parts of pass 0, then those of pass p + 1 before the
+//! tiles of pass p. Whoever finishes the last part makes the map. A thread is never more than one item behind,
+//! so no more passes are in memory than there are threads, and two.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
 use super::kernels::{Kernel, kernel};
 use super::li::{Counters, first_surface};
-use crate::film::{Features, Film, FilmLayout, Refusal, Sample};
+use super::photon::{Photon, PhotonMap, Splat, Tracer};
+use crate::film::{Features, Film, FilmLayout, LightLayer, Refusal, Sample};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
@@ -166,25 +172,36 @@ pub enum RunError {
 
 /// Whoever makes the samples: a method of light transport on a scene.
 pub(super) trait Source: Sync {
-    /// The sample of `pass` at a pixel of the whole picture: a function of these two and nothing else.
-    fn sample(&self, pixel: [u32; 2], pass: u32, counters: &mut Counters) -> Sample;
+    /// The sample of `pass` at a pixel of the whole picture, with the photons of the pass where there are
+    /// any: a function of these two and nothing else.
+    fn sample(&self, pixel: [u32; 2], pass: u32, map: Option<&PhotonMap>, counters: &mut Counters) -> Sample;
+
+    /// What traces photons, if anything does.
+    fn tracer(&self) -> Option<&Tracer<'_>> {
+        None
+    }
 }
 
 /// The default method.
 struct Planned<'a> {
     scene: &'a Prepared,
     kernel: Kernel,
+    tracer: Option<Tracer<'a>>,
     features: bool,
     layers: bool,
 }
 
 impl Source for Planned<'_> {
-    fn sample(&self, pixel: [u32; 2], pass: u32, counters: &mut Counters) -> Sample {
-        let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, counters);
+    fn sample(&self, pixel: [u32; 2], pass: u32, map: Option<&PhotonMap>, counters: &mut Counters) -> Sample {
+        let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, map, counters);
         if self.features {
             s.features = features(self.scene, pixel, pass);
         }
         s
+    }
+
+    fn tracer(&self) -> Option<&Tracer<'_>> {
+        self.tracer.as_ref()
     }
 }
 
@@ -195,6 +212,7 @@ fn sample(
     layers: bool,
     pixel: [u32; 2],
     pass: u32,
+    map: Option<&PhotonMap>,
     counters: &mut Counters,
 ) -> Sample {
     let k = scene.plan.replications;
@@ -202,9 +220,9 @@ fn sample(
     let address = Address::new(scene.seed, index, pass % k, pass / k);
     let u = address.block(0, Purpose::Camera, 0, 0);
     let ray = scene.camera.ray(pixel, [u[0], u[1]], || square_to_disk([u[2], u[3]]));
-    if layers {
-        let (radiance, layers) = (kernel.layered)(scene, address, ray, counters);
-        return Sample { radiance, features: None, layers: Some(layers) };
+    if layers || map.is_some() {
+        let (radiance, parts) = (kernel.layered)(scene, map, address, ray, counters);
+        return Sample { radiance, features: None, layers: layers.then_some(parts) };
     }
     let radiance = (kernel.li)(scene, address, ray, counters);
     Sample { radiance, features: None, layers: None }
@@ -228,15 +246,59 @@ fn features(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Option<Features> {
     })
 }
 
-/// Traces one sample alone: the very one that a render takes at this pixel and pass.
+/// Traces one sample alone: what a render adds to this pixel in this pass. Where the plan has photons, those of
+/// the pass are all traced for it.
 #[must_use]
 pub fn replay(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Sample {
-    sample(scene, &kernel(&scene.plan), false, pixel, pass, &mut Counters::default())
+    let counters = &mut Counters::default();
+    let mut map = None;
+    let mut splats = Vec::new();
+    if let Some(tracer) = Tracer::new(scene, [pixel[0], pixel[1], 1, 1]) {
+        let traced: Vec<_> = (0..tracer.chunks()).map(|chunk| tracer.trace(pass, chunk, counters)).collect();
+        splats = traced.iter().flat_map(|t| t.splats.clone()).collect();
+        let parts = || traced.into_iter().map(|t| t.photons).collect();
+        map = tracer.maps().then(|| tracer.map(pass, parts()));
+    }
+    let mut sample = sample(scene, &kernel(&scene.plan), false, pixel, pass, map.as_ref(), counters);
+    splats.iter().for_each(|s| sample.radiance += s.radiance);
+    sample
 }
 
-/// Tiles of one pass that are done.
+/// What is done of one pass.
+#[derive(Default)]
 struct Pending {
     tiles: Vec<(usize, Vec<Sample>)>,
+    /// Parts of the photons that are traced.
+    chunks: u32,
+    photons: Vec<(u32, Vec<Photon>)>,
+    splats: Vec<Splat>,
+}
+
+impl Pending {
+    fn is_complete(&self, tiles: usize, chunks: u32) -> bool {
+        self.tiles.len() == tiles && self.chunks == chunks
+    }
+}
+
+/// A piece of work.
+enum Item {
+    /// A part of the photons of a pass, counted from the first pass that is rendered.
+    Chunk(u64, u32),
+    /// A tile of a pass.
+    Tile(u64, u32),
+}
+
+/// The piece of work with a number: see the top of this file.
+fn item(number: u64, chunks: u64, tiles: u64) -> Item {
+    if number < chunks {
+        return Item::Chunk(0, number as u32);
+    }
+    let (pass, within) = ((number - chunks) / (chunks + tiles), (number - chunks) % (chunks + tiles));
+    if within < chunks {
+        Item::Chunk(pass + 1, within as u32)
+    } else {
+        Item::Tile(pass, (within - chunks) as u32)
+    }
 }
 
 struct Job<'a> {
@@ -250,6 +312,9 @@ struct Job<'a> {
     stop: AtomicBool,
     cancelled: AtomicBool,
     pending: Mutex<BTreeMap<u32, Pending>>,
+    /// The maps of passes on their way.
+    maps: Mutex<BTreeMap<u32, Arc<PhotonMap>>>,
+    mapped: Condvar,
     film: Mutex<FilmState>,
     samples: AtomicU64,
     rays: AtomicU64,
@@ -285,8 +350,8 @@ pub fn render(
         transparent: scene.transparent,
     };
     let features = options.features || scene.transparent;
-    let layers = options.layers;
-    drive(&Planned { scene, kernel: kernel(&scene.plan), features, layers }, layout, options, control)
+    let (layers, tracer) = (options.layers, Tracer::new(scene, layout.crop));
+    drive(&Planned { scene, kernel: kernel(&scene.plan), tracer, features, layers }, layout, options, control)
 }
 
 /// Renders what `source` makes into a film of the given layout, as [`render`] does.
@@ -322,6 +387,8 @@ pub(super) fn drive(
         stop: AtomicBool::new(false),
         cancelled: AtomicBool::new(false),
         pending: Mutex::new(BTreeMap::new()),
+        maps: Mutex::new(BTreeMap::new()),
+        mapped: Condvar::new(),
         film: Mutex::new(FilmState { film, passes_done: 0, bad: Vec::new() }),
         samples: AtomicU64::new(0),
         rays: AtomicU64::new(0),
@@ -333,21 +400,76 @@ pub(super) fn drive(
 }
 
 impl Job<'_> {
-    /// Takes tiles until there are none.
+    /// Takes tiles, and parts of photons, until there are none.
     fn work(&self) {
-        let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]);
         let passes = u64::from(self.options.passes.end - self.options.passes.start);
         while !self.stop.load(Ordering::Relaxed) {
-            let item = self.next.fetch_add(1, Ordering::Relaxed);
-            let (pass, tile) = (item / tiles, item % tiles);
-            if pass >= passes {
-                break;
+            let number = self.next.fetch_add(1, Ordering::Relaxed);
+            match item(number, u64::from(self.chunks()), self.tile_count() as u64) {
+                Item::Chunk(pass, chunk) if pass < passes => {
+                    self.photons(self.options.passes.start + pass as u32, chunk);
+                }
+                // The photons of a pass that is not asked for.
+                Item::Chunk(..) => {}
+                Item::Tile(pass, tile) if pass < passes => {
+                    let pass = self.options.passes.start + pass as u32;
+                    let samples = self.tile(tile, pass);
+                    self.deliver(pass, |pending| pending.tiles.push((tile as usize, samples)));
+                }
+                Item::Tile(..) => break,
             }
-            let pass = self.options.passes.start + pass as u32;
-            let samples = self.tile(tile as u32, pass);
-            self.deliver(pass, tile as usize, samples, tiles as usize);
             self.look_around();
         }
+    }
+
+    fn tile_count(&self) -> usize {
+        self.tiles[0] as usize * self.tiles[1] as usize
+    }
+
+    /// Parts of the photons of a pass; none where there are none.
+    fn chunks(&self) -> u32 {
+        self.source.tracer().map_or(0, Tracer::chunks)
+    }
+
+    /// Traces a part of the photons of a pass; the last one makes the map.
+    fn photons(&self, pass: u32, chunk: u32) {
+        let Some(tracer) = self.source.tracer() else { return };
+        let mut counters = Counters::default();
+        let traced = tracer.trace(pass, chunk, &mut counters);
+        self.count(&counters);
+        let mut all = Vec::new();
+        self.deliver(pass, |pending| {
+            pending.splats.extend(traced.splats);
+            pending.photons.push((chunk, traced.photons));
+            pending.chunks += 1;
+            if pending.chunks == tracer.chunks() {
+                all = std::mem::take(&mut pending.photons);
+            }
+        });
+        if !all.is_empty() && tracer.maps() {
+            all.sort_by_key(|&(chunk, _)| chunk);
+            let map = tracer.map(pass, all.into_iter().map(|(_, photons)| photons).collect());
+            lock(&self.maps).insert(pass, Arc::new(map));
+            self.mapped.notify_all();
+        }
+    }
+
+    /// The map of a pass. Its photons were handed out before its tiles, and whoever has a part of them
+    /// finishes it, so that the wait ends.
+    fn map(&self, pass: u32) -> Option<Arc<PhotonMap>> {
+        self.source.tracer().filter(|t| t.maps())?;
+        let mut maps = lock(&self.maps);
+        loop {
+            if let Some(map) = maps.get(&pass) {
+                return Some(Arc::clone(map));
+            }
+            maps = self.mapped.wait(maps).unwrap_or_else(std::sync::PoisonError::into_inner);
+        }
+    }
+
+    fn count(&self, counters: &Counters) {
+        self.rays.fetch_add(counters.rays, Ordering::Relaxed);
+        self.capped.fetch_add(counters.capped, Ordering::Relaxed);
     }
 
     /// Left, top, width and height of a tile, within the crop.
@@ -358,28 +480,30 @@ impl Job<'_> {
 
     fn tile(&self, tile: u32, pass: u32) -> Vec<Sample> {
         let [x, y, w, h] = self.bounds(tile);
+        let map = self.map(pass);
         let mut counters = Counters::default();
         let mut samples = Vec::with_capacity((w * h) as usize);
         for row in y..y + h {
             for column in x..x + w {
                 let pixel = [self.crop[0] + column, self.crop[1] + row];
-                samples.push(self.source.sample(pixel, pass, &mut counters));
+                samples.push(self.source.sample(pixel, pass, map.as_deref(), &mut counters));
             }
         }
         self.samples.fetch_add(samples.len() as u64, Ordering::Relaxed);
-        self.rays.fetch_add(counters.rays, Ordering::Relaxed);
-        self.capped.fetch_add(counters.capped, Ordering::Relaxed);
+        self.count(&counters);
         samples
     }
 
-    fn deliver(&self, pass: u32, tile: usize, samples: Vec<Sample>, tiles: usize) {
+    /// Adds to what is done of a pass, and all of that to the film where it is complete.
+    fn deliver(&self, pass: u32, add: impl FnOnce(&mut Pending)) {
         let complete = {
             let mut pending = lock(&self.pending);
-            let entry = pending.entry(pass).or_insert_with(|| Pending { tiles: Vec::with_capacity(tiles) });
-            entry.tiles.push((tile, samples));
-            if entry.tiles.len() == tiles { pending.remove(&pass) } else { None }
+            let entry = pending.entry(pass).or_default();
+            add(entry);
+            if entry.is_complete(self.tile_count(), self.chunks()) { pending.remove(&pass) } else { None }
         };
         if let Some(complete) = complete {
+            lock(&self.maps).remove(&pass);
             let mut state = lock(&self.film);
             self.commit(&mut state, pass, &complete);
             state.passes_done += 1;
@@ -392,13 +516,25 @@ impl Job<'_> {
             for (i, sample) in samples.iter().enumerate() {
                 let (column, row) = (x + i as u32 % w, y + i as u32 / w);
                 let pixel = row as usize * self.crop[2] as usize + column as usize;
-                if let Err(reason) = state.film.add(pixel, pass, sample)
-                    && state.bad.len() < REPORTED
-                {
-                    let pixel = [self.crop[0] + column, self.crop[1] + row];
-                    state.bad.push(BadSample { pixel, pass, reason });
-                }
+                let added = state.film.add(pixel, pass, sample);
+                self.note(state, pixel, pass, added);
             }
+        }
+        for splat in &pending.splats {
+            let pixel = splat.pixel as usize;
+            let added = state.film.splat(pixel, pass, splat.radiance, LightLayer::Caustic);
+            self.note(state, pixel, pass, added);
+        }
+    }
+
+    /// Keeps some of the samples that the film refuses.
+    fn note(&self, state: &mut FilmState, pixel: usize, pass: u32, added: Result<(), Refusal>) {
+        if let Err(reason) = added
+            && state.bad.len() < REPORTED
+        {
+            let (column, row) = (pixel as u32 % self.crop[2], pixel as u32 / self.crop[2]);
+            let pixel = [self.crop[0] + column, self.crop[1] + row];
+            state.bad.push(BadSample { pixel, pass, reason });
         }
     }
 

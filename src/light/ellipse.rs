@@ -39,12 +39,17 @@ impl Ellipse {
     /// A point of the ellipse as seen from `p`; `None` where `p` lies in its plane.
     #[must_use]
     pub fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<SurfaceSample> {
+        let s = self.at(u, 1.0);
+        let pdf = self.pdf(p, s.p);
+        (pdf > 0.0 && pdf.is_finite()).then_some(SurfaceSample { pdf, ..s })
+    }
+
+    /// A point, uniform by area.
+    pub(super) fn at(&self, u: [f32; 2], pdf: f32) -> SurfaceSample {
         let d = square_to_disk(u);
         let (a, b) = (self.half_axes[0] * d.x, self.half_axes[1] * d.y);
-        let q = self.center + a + b;
-        let pdf = self.pdf(p, q);
         let p_err = (self.center.abs() + a.abs() + b.abs()) * gamma(7);
-        (pdf > 0.0 && pdf.is_finite()).then_some(SurfaceSample { p: q, p_err, n: self.n, pdf })
+        SurfaceSample { p: self.center + a + b, p_err, n: self.n, pdf }
     }
 
     /// Density per solid angle at `p` of [`Self::sample`] for the direction to its point `q`.

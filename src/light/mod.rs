@@ -8,7 +8,9 @@
 //! Lights with an extent are sampled by solid angle. Radiance does not change along a ray, so what a
 //! light emits towards a point is known from where the ray meets it.
 
+mod aim;
 mod ellipse;
+mod emit;
 mod panorama;
 mod pick;
 mod rectangle;
@@ -16,7 +18,9 @@ mod set;
 mod sphere;
 mod triangle;
 
+pub use aim::{Aim, Shape as TargetShape, Target, ball_around};
 pub use ellipse::Ellipse;
+pub use emit::{Emission, PhotonLights};
 pub use panorama::Panorama;
 pub(crate) use pick::MANY_LIGHTS;
 pub use rectangle::{Rectangle, from_triangles};

@@ -172,7 +172,8 @@ impl Rectangle {
         (pdf > 0.0 && pdf.is_finite()).then_some(SurfaceSample { pdf, ..s })
     }
 
-    fn at(&self, a: f32, b: f32, pdf: f32) -> SurfaceSample {
+    /// The point at these shares of the edges, [0, 1].
+    pub(super) fn at(&self, a: f32, b: f32, pdf: f32) -> SurfaceSample {
         let (e0, e1) = (self.edges[0] * a, self.edges[1] * b);
         let p_err = (self.corner.abs() + e0.abs() + e1.abs()) * gamma(7);
         SurfaceSample { p: self.corner + e0 + e1, p_err, n: self.n, pdf }

@@ -531,7 +531,7 @@ impl Emitter {
 }
 
 /// Radiance of a sun's disk: irradiance over pi sin^2 of its half angle.
-fn sun_radiance(irradiance: Rgb, one_minus_cos: f32) -> Rgb {
+pub(super) fn sun_radiance(irradiance: Rgb, one_minus_cos: f32) -> Rgb {
     irradiance / (crate::math::PI * one_minus_cos * (2.0 - one_minus_cos))
 }
 

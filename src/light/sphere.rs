@@ -32,6 +32,15 @@ impl SphereLight {
         (sin2 < 1.0 && !on_it).then(|| (sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
     }
 
+    /// The cone of directions from `p` to the sphere: its axis, and 1 - cos of its half angle; `None` from
+    /// inside.
+    #[must_use]
+    pub fn cone(&self, p: Vec3) -> Option<(Vec3, f32)> {
+        let one_minus_cos = self.one_minus_cos(p, false)?;
+        let axis = (self.center.as_dvec3() - p.as_dvec3()).normalize().as_vec3();
+        Some((axis, one_minus_cos))
+    }
+
     /// A point of the sphere as seen from `p`; `on_it` says that `p` is a point of this very sphere.
     #[must_use]
     pub fn sample(&self, p: Vec3, on_it: bool, u: [f32; 2]) -> Option<SurfaceSample> {

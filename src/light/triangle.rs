@@ -101,7 +101,16 @@ impl TriangleLight {
         }
     }
 
-    fn at(&self, b: [f32; 2], pdf: f32) -> SurfaceSample {
+    /// Whether the point `q` of its plane lies within the edges.
+    #[must_use]
+    pub fn contains(&self, q: Vec3) -> bool {
+        let [a, b, c] = self.v.map(|v| v.as_dvec3() - q.as_dvec3());
+        let n = self.n.as_dvec3();
+        [a.cross(b), b.cross(c), c.cross(a)].iter().all(|edge| edge.dot(n) >= 0.0)
+    }
+
+    /// The point with these barycentric coordinates (of the second and third vertex).
+    pub(super) fn at(&self, b: [f32; 2], pdf: f32) -> SurfaceSample {
         let (p, p_err) = triangle::point(self.v, b[0], b[1]);
         SurfaceSample { p, p_err, n: self.n, pdf }
     }

@@ -6,6 +6,7 @@
 //! meet, and tests forget each to see the picture change. Lights are told apart by what they are compiled to,
 //! so that analysis and compilation cannot disagree.
 
+use super::algorithm::caustics;
 use super::choices::{casters, choices, unseen};
 use super::fold::{Folded, Uses, fold, has_surface};
 use super::lights::{self, effect_of};
@@ -84,12 +85,14 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     let left_out = found.left_out();
     let needs: Vec<Need> = found.needs.into_iter().flatten().collect();
     let casters = casters(scene, &folded);
+    let caustics = caustics(scene, &folded, options);
     let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
     let mut plan = Plan {
-        choices: choices(scene, &folded, &casters, pixels),
+        choices: choices(scene, &folded, &casters, caustics, pixels),
         needs,
         left_out,
-        unseen: unseen(scene, &folded, &casters),
+        unseen: unseen(scene, &folded, &casters, caustics),
+        caustics,
         tables: Effects::default(),
         kernel: 0,
         replications: replications(pixels),

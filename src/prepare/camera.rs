@@ -6,6 +6,20 @@ use crate::mutants::planted;
 use crate::scene::{Camera, FovAxis, Projection};
 use crate::shape::Ray;
 
+/// How a camera sees a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// The pixel, of the whole picture.
+    pub pixel: [u32; 2],
+    /// Unit direction from the point to where camera rays start.
+    pub wo: Vec3,
+    /// Where the camera ray starts.
+    pub origin: Vec3,
+    /// What a watt per steradian of intensity at the point, sent along `wo`, adds to the radiance of the
+    /// pixel, m^-2: the density of camera rays through the pixel at the point, per area across `wo`.
+    pub importance: f32,
+}
+
 /// A camera with the constants of one picture size.
 #[derive(Clone, Debug)]
 pub struct CameraRays {
@@ -78,6 +92,73 @@ impl CameraRays {
             o += from;
         }
         Ray::new((self.origin + o).as_vec3(), d.normalize().as_vec3())
+    }
+
+    /// How the point `p` is seen from the point `lens` of the unit disk scaled to the aperture; `None`
+    /// where it lies outside of the picture or behind.
+    ///
+    /// A pixel is the mean of the radiance over its area on the plane at distance one; that area, seen from
+    /// the aperture under the angle t to the axis, is the solid angle times 1 / cos^3 t.
+    #[must_use]
+    pub fn see(&self, p: Vec3, lens: impl FnOnce() -> Vec2) -> Option<Seen> {
+        let d = p.as_dvec3() - self.origin;
+        let (x, y, z) = (d.dot(self.right), d.dot(self.up), -d.dot(self.back));
+        if z <= 0.0 {
+            return None;
+        }
+        let (lx, ly, focus) = match self.lens {
+            Some((radius, focus)) => {
+                let l = lens();
+                (radius * f64::from(l.x), radius * f64::from(l.y), focus)
+            }
+            None => (0.0, 0.0, 1.0),
+        };
+        // Where the ray starts, relative to the middle of the lens, and where it passes the picture's plane.
+        let ((ox, oy), (sx, sy)) = if self.orthographic {
+            // All rays from one point of the lens are parallel.
+            let s = (x + (z / focus - 1.0) * lx, y + (z / focus - 1.0) * ly);
+            ((s.0 + lx, s.1 + ly), s)
+        } else {
+            ((lx, ly), ((x - lx) / z + lx / focus, (y - ly) / z + ly / focus))
+        };
+        let i = ((sx - self.shift[0]) / self.extent[0] + 0.5) * self.size[0];
+        let j = (0.5 - (sy - self.shift[1]) / self.extent[1]) * self.size[1];
+        if !(i >= 0.0 && i < self.size[0] && j >= 0.0 && j < self.size[1]) {
+            return None;
+        }
+        let to = self.right * (ox - x) + self.up * (oy - y) + self.back * z;
+        let distance = to.length();
+        let cos = z / distance;
+        let pixel_area = self.extent[0] * self.extent[1] / (self.size[0] * self.size[1]);
+        let importance = if self.orthographic {
+            1.0 / (cos * pixel_area)
+        } else {
+            1.0 / (distance * distance * cos * cos * cos * pixel_area)
+        };
+        Some(Seen {
+            pixel: [i as u32, j as u32],
+            wo: (to / distance).as_vec3(),
+            origin: (self.origin + self.right * ox + self.up * oy).as_vec3(),
+            importance: importance as f32,
+        })
+    }
+
+    /// Width of a pixel at the point `p`, or as far away as that, metres; `nearest` bounds the distance
+    /// from below.
+    #[must_use]
+    pub fn footprint(&self, p: Vec3, nearest: f32) -> f32 {
+        let width = (self.extent[0] * self.extent[1] / (self.size[0] * self.size[1])).sqrt();
+        if self.orthographic {
+            return width as f32;
+        }
+        let distance = (p.as_dvec3() - self.origin).length();
+        (width * distance.max(f64::from(nearest))) as f32
+    }
+
+    /// Distance of `p` from the point where camera rays start, or its middle, metres.
+    #[must_use]
+    pub fn distance(&self, p: Vec3) -> f32 {
+        (p.as_dvec3() - self.origin).length() as f32
     }
 
     /// Distance of `p` from the camera's plane along the view axis, metres.

@@ -3,6 +3,7 @@
 //! In: a scene and its folded materials. Out: decisions with their reasons, a pure function of scene and size.
 //! They are the same whatever kernel runs.
 
+use super::algorithm::Caustics;
 use super::fold::{Folded, has_surface};
 use super::lights::{self, effect_of};
 use super::material::{self, Numbers};
@@ -17,8 +18,14 @@ use crate::scene::{MaterialKind, Scene};
 pub const ROULETTE_START: u32 = 4;
 
 /// The decisions for a picture of so many pixels, where the materials `casters` focus light.
-pub(super) fn choices(scene: &Scene, folded: &Folded<'_>, casters: &[usize], pixels: u64) -> Vec<Choice> {
-    vec![light_choice(scene, folded), caustics(casters), roulette(), means(pixels)]
+pub(super) fn choices(
+    scene: &Scene,
+    folded: &Folded<'_>,
+    casters: &[usize],
+    caustics: Caustics,
+    pixels: u64,
+) -> Vec<Choice> {
+    vec![light_choice(scene, folded), estimator(casters, caustics), roulette(), means(pixels)]
 }
 
 /// How the light is chosen that is sampled at a hit.
@@ -43,10 +50,14 @@ fn light_choice(scene: &Scene, folded: &Folded<'_>) -> Choice {
 }
 
 /// Who finds the light that mirrors and clear glass focus.
-fn caustics(casters: &[usize]) -> Choice {
-    let (chosen, reason) = match casters.len() {
-        0 => ("none", "no surface is so smooth that it would focus light"),
-        _ => ("paths", "after a smooth surface light is met by chance; the smaller the lights, the noisier"),
+fn estimator(casters: &[usize], caustics: Caustics) -> Choice {
+    let (chosen, reason) = match (casters.len(), caustics) {
+        (0, _) => ("none", "no surface is so smooth that it would focus light"),
+        (_, Caustics::Path) => (
+            caustics.name(),
+            "after a smooth surface light is met by chance; the smaller the lights, the noisier",
+        ),
+        (_, Caustics::Traced | Caustics::Photon) => (caustics.name(), caustics.what()),
     };
     Choice { about: "caustics", chosen: chosen.to_owned(), reason: reason.to_owned() }
 }
@@ -91,7 +102,15 @@ pub(super) fn casters(scene: &Scene, folded: &Folded<'_>) -> Vec<usize> {
 
 /// What no path finds: light of points and single directions that reaches a surface by way of a mirror or clear
 /// glass. A path leaves those in one direction, and hits a point with probability zero.
-pub(super) fn unseen(scene: &Scene, folded: &Folded<'_>, casters: &[usize]) -> Vec<Unseen> {
+pub(super) fn unseen(
+    scene: &Scene,
+    folded: &Folded<'_>,
+    casters: &[usize],
+    caustics: Caustics,
+) -> Vec<Unseen> {
+    if caustics == Caustics::Photon {
+        return Vec::new();
+    }
     let is_delta = |light: &&crate::scene::Light| {
         lights::free(light).is_some_and(|e| effect_of(&e) == Effect::DeltaLights)
     };
@@ -102,8 +121,12 @@ pub(super) fn unseen(scene: &Scene, folded: &Folded<'_>, casters: &[usize]) -> V
         return Vec::new();
     }
     let more = |n: usize| if n > 0 { format!(" (and {n} more)") } else { String::new() };
+    let but = match caustics {
+        Caustics::Path | Caustics::Photon => "",
+        Caustics::Traced => ", and photons find it only on what the camera sees directly",
+    };
     let reason = format!(
-        "light \"{}\"{} by way of material \"{}\"{}: no path from the camera meets a point or a single direction",
+        "light \"{}\"{} by way of material \"{}\"{}: no path from the camera meets a point or a single direction{but}",
         light.name,
         more(lights.count()),
         scene.materials[caster].name,

@@ -9,8 +9,10 @@
 //! scaled by it.
 
 mod albedo;
+mod algorithm;
 mod analyse;
 mod camera;
+mod casters;
 mod choices;
 mod cutout;
 mod detail;
@@ -29,8 +31,10 @@ mod surface;
 mod texture;
 mod varying;
 
+pub use algorithm::{Algorithms, Caustics, CausticsMode};
 pub use analyse::analyse;
-pub use camera::CameraRays;
+pub use camera::{CameraRays, Seen};
+pub(crate) use casters::Casting;
 pub use choices::ROULETTE_START;
 pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
@@ -60,6 +64,8 @@ pub struct Options {
     pub max_depth: Option<u32>,
     /// Whether camera rays that leave the scene see nothing, instead of what shines from there.
     pub transparent: bool,
+    /// Which estimators run.
+    pub algorithms: Algorithms,
 }
 
 /// Which kernel runs; the picture is the same.
@@ -139,6 +145,8 @@ pub struct Prepared {
     object_materials: Vec<u32>,
     /// Where bodies have an order.
     nesting: Option<nesting::Nesting>,
+    /// Where photons start, if there are any.
+    casting: Option<Box<Casting>>,
 }
 
 /// Replications of a picture of this many pixels: independent sequences whose means give the error.
@@ -180,6 +188,9 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
     let radiance_format =
         FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));
     let cutouts = scene.objects.iter().any(|o| materials[o.material.0 as usize].cutout.is_some());
+    let lights = LightSet::new(lights, flat.primitives, flat.radius);
+    let casting =
+        (plan.caustics != Caustics::Path).then(|| Box::new(Casting::new(scene, &folded, &flat, &lights)));
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
     let start = start::medium(scene, &materials, nesting.as_ref(), camera.transform.translation);
     let mut rays = CameraRays::new(camera, options.size);
@@ -192,7 +203,7 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
         simulates: plan.kernel().simulates,
         plan,
         accel,
-        lights: LightSet::new(lights, flat.primitives, flat.radius),
+        lights,
         materials,
         camera: rays,
         size: options.size,
@@ -207,6 +218,7 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
         cutouts,
         object_materials: scene.objects.iter().map(|o| o.material.0).collect(),
         nesting,
+        casting,
     })
 }
 
@@ -239,5 +251,12 @@ impl Prepared {
     #[must_use]
     pub fn material_of(&self, object: u32) -> u32 {
         self.object_materials[object as usize]
+    }
+
+    /// Where photons start; `None` where the plan has none.
+    #[inline]
+    #[must_use]
+    pub(crate) fn casting(&self) -> Option<&Casting> {
+        self.casting.as_deref()
     }
 }

@@ -6,6 +6,7 @@
 //! whatever kernel runs; pruning (kernels, tables) changes nothing: a test compares bytes.
 
 use super::EffectsMode;
+use super::algorithm::Caustics;
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -264,6 +265,8 @@ pub struct Plan {
     pub kernel: usize,
     /// Replications: independent low-discrepancy sequences that take turns, pass by pass.
     pub replications: u32,
+    /// How caustics are found.
+    pub caustics: Caustics,
 }
 
 impl Plan {

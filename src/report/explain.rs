@@ -202,7 +202,7 @@ impl PlanFacts<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prepare::{Choice, Effect, LeftOut, Need, Unseen};
+    use crate::prepare::{Caustics, Choice, Effect, LeftOut, Need, Unseen};
 
     /// Guards the alignment of all columns, the order of sections, and that colour adds nothing but colour.
     #[test]
@@ -225,6 +225,7 @@ mod tests {
             tables: Effects::of(&[Effect::Mirror]),
             kernel: 1,
             replications: 4,
+            caustics: Caustics::Path,
         };
         let explanation = Explanation::new(&plan, &notes);
         insta::assert_snapshot!(explanation.to_string(), @r#"

@@ -25,6 +25,9 @@ pub enum Purpose {
     Report = 4,
     /// Whether a surface is there where it is partly transparent (one number); k counts what was passed.
     Alpha = 5,
+    /// Where a photon starts: choice of a light (one number), a point on it (two numbers); then, at k = 1, what
+    /// it is aimed at (one number), a direction (two numbers), the side of the light (one number).
+    Photon = 6,
 }
 
 /// Where in the computation a sample is: a pure function of (seed, pixel, replication, index).
@@ -45,6 +48,14 @@ impl Address {
     pub fn new(seed: u64, pixel: u64, replication: u32, index: u32) -> Self {
         let key = mix64(mix64(seed ^ 0x6570_7369_6c75_7821) ^ pixel);
         Self { key: mix64(key ^ (u64::from(planted!(same_seed(replication))) << 32 | 0x7265_706c)), index }
+    }
+
+    /// The address of a photon of a pass, in a domain of its own: the photons of a pass are one
+    /// low-discrepancy sequence, and passes are independent.
+    #[must_use]
+    pub fn photon(seed: u64, pass: u32, photon: u32) -> Self {
+        let key = mix64(mix64(seed ^ 0x6570_7369_6c75_7821) ^ 0x7068_6f74_6f6e_7321);
+        Self { key: mix64(key ^ u64::from(pass)), index: photon }
     }
 
     /// Branch `j` of `m` of a split path: each branch is a sample of a sequence m times as dense.

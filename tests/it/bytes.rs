@@ -5,9 +5,9 @@
 use epsilux::color::Rgb;
 use epsilux::film::Image;
 use epsilux::glam::{DAffine3, DVec3};
-use epsilux::integrate::{Quiet, RenderOptions, render};
+use epsilux::integrate::{Quiet, RenderOptions, render, replay};
 use epsilux::output::{WriteOptions, write};
-use epsilux::prepare::{EffectsMode, Options, Prepared, prepare};
+use epsilux::prepare::{Algorithms, Caustics, CausticsMode, EffectsMode, Options, Prepared, prepare};
 use epsilux::scene::text::parse_toml;
 use epsilux::scene::{Absorption, LightKind, MaterialKind, Scene, SpotFalloff};
 use sha2::{Digest as _, Sha256};
@@ -197,6 +197,96 @@ fn layers_change_nothing_and_add_up() {
         );
     }
     assert_eq!(seen.len(), 6, "some scene has each part: {seen:?}");
+}
+
+/// A scene whose caustics are found by photons.
+fn with_photons(scene: &Scene, effects: EffectsMode, unbiased: bool) -> Prepared {
+    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased };
+    prepare(scene, &Options { effects, algorithms, ..options(SIZE, seed("photons"), None) })
+        .expect("a camera")
+}
+
+/// Scenes with something that throws light, whose plan has a photon map.
+fn scenes_with_photons() -> Vec<(String, Scene)> {
+    let mut list: Vec<_> =
+        files().filter(|(name, _)| ["hexroom", "caustic", "materials"].contains(&name.as_str())).collect();
+    list.push(("everything".into(), valid(&features::everything())));
+    list
+}
+
+/// Guards photons as a pure function of scene, seed and pass: threads, crops, kernels, the way in which passes
+/// are shared, and recording layers change no byte; and one sample can be traced alone.
+#[test]
+fn photons_depend_on_nothing_but_the_pass() {
+    for ((name, scene), unbiased) in
+        scenes_with_photons().into_iter().flat_map(|s| [(s.clone(), false), (s, true)])
+    {
+        let prepared = with_photons(&scene, EffectsMode::Auto, unbiased);
+        assert_eq!(prepared.plan.caustics, if unbiased { Caustics::Traced } else { Caustics::Photon });
+        let film = |options: &RenderOptions| {
+            let outcome = render(&prepared, options, &Quiet).expect("passes");
+            assert_eq!(outcome.film.refused_total(), 0, "{name}: {:?}", outcome.bad);
+            outcome.film
+        };
+        let plain = || RenderOptions { features: false, ..passes() };
+        let one = film(&plain());
+        let image = one.to_image();
+        for threads in [2, 5] {
+            assert!(film(&RenderOptions { threads, ..plain() }) == one, "{name}: {threads} threads");
+        }
+        // Parts of the passes, in any order.
+        let mut parts = film(&RenderOptions { passes: 5..8, threads: 3, ..plain() });
+        parts.merge(film(&RenderOptions { passes: 0..5, ..plain() })).expect("one layout");
+        assert!(parts == one, "{name}: passes");
+        // A crop.
+        let [x, y, w, h] = [3u32, 5, 12, 7];
+        let part = film(&RenderOptions { crop: Some([x, y, w, h]), threads: 2, ..plain() }).to_image();
+        for row in 0..h {
+            let (here, there) = ((row * w) as usize, ((y + row) * SIZE[0] + x) as usize);
+            assert_eq!(
+                part.rgb[here..here + w as usize],
+                image.rgb[there..there + w as usize],
+                "{name}: row {row}"
+            );
+        }
+        // The kernel that simulates everything, and layers.
+        let all = with_photons(&scene, EffectsMode::All, unbiased);
+        check_equal(&image, &picture(&all, &plain()), &name);
+        let mut layered = picture(&prepared, &RenderOptions { layers: true, ..plain() });
+        layered.layers.clear();
+        check_equal(&image, &layered, &format!("{name} with layers"));
+        // Samples alone.
+        for pixel in [[9, 9], [4, 12]] {
+            let sum =
+                (0..8).map(|pass| replay(&prepared, pixel, pass).radiance).fold(Rgb::BLACK, |a, b| a + b);
+            let found = image.rgb[(pixel[1] * SIZE[0] + pixel[0]) as usize];
+            let off = (sum / 8.0 - found).map(f32::abs).max_channel();
+            assert!(off <= 1e-5 * found.max_channel(), "{name}: {sum:?} {found:?}");
+        }
+    }
+}
+
+/// Guards photons against absolute lengths.
+#[test]
+fn photons_scale() {
+    for (name, scene) in scenes_to_scale() {
+        for shell in [false, true] {
+            let radiance = |k| {
+                let mut scene = scaled(&scene, k);
+                if shell {
+                    scene.sphere(DVec3::ZERO, 1e9, diffuse(0.0));
+                }
+                picture(
+                    &with_photons(&scene, EffectsMode::Auto, false),
+                    &RenderOptions { features: false, passes: 0..2, ..passes() },
+                )
+            };
+            let unit = radiance(0);
+            for k in [-20, 1] {
+                check_equal(&unit, &radiance(k), &format!("{name} at 2^{k}, {shell}"));
+            }
+        }
+    }
 }
 
 const SCALES: [i32; 4] = [-20, -1, 1, 20];

@@ -7,6 +7,7 @@ mod support;
 
 mod agree;
 mod bsdf;
+mod caustics;
 mod fast;
 mod golden;
 mod naive;

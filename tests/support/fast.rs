@@ -5,7 +5,7 @@
 
 use epsilux::color::Rgb;
 use epsilux::integrate::{Counters, Kernel, kernel};
-use epsilux::prepare::{EffectsMode, Options, Prepared, prepare};
+use epsilux::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
 use epsilux::sampling::Address;
 use epsilux::scene::{Scene, complete, validate};
 use epsilux::shape::Ray;
@@ -15,7 +15,9 @@ use super::scenes::Probe;
 
 /// Options for a picture of `size`, everything else as usual.
 pub(crate) fn options(size: [u32; 2], seed: u64, max_depth: Option<u32>) -> Options {
-    Options { camera: None, size, seed, effects: EffectsMode::Auto, max_depth, transparent: false }
+    let effects = EffectsMode::Auto;
+    let algorithms = Algorithms::default();
+    Options { camera: None, size, seed, effects, max_depth, transparent: false, algorithms }
 }
 
 /// A valid copy of `scene` that has a camera; its light is its own.

@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub(crate) mod compare;
+pub(crate) mod estimators;
 pub(crate) mod fast;
 pub(crate) mod features;
 pub(crate) mod nested;

@@ -1,0 +1,239 @@
+//! Photons on their way: from a light over mirrors and glass to what is neither.
+//!
+//! In: an address. Out: each place where a photon that was thrown at least once lands on a surface that
+//! spreads light. A photon follows delta lobes only; it ends where another lobe is chosen.
+//!
+//! What surfaces do is defined for light towards the camera. Let w be the direction towards the camera and wi
+//! that towards the light at one vertex. Normals that differ from the geometric one make radiance and flux
+//! disagree by |w.ng| |wi.ns| / (|wi.ng| |w.ns|) (Veach, thesis, section 5.3), and layers dim what leaves by the
+//! cosine of w, not of wi. Which normal counts depends on w too, which a photon does not know before: it
+//! tries each, and takes one of those that a path from the camera would have taken.
+//!
+//! The medium that a photon passes is known only when it leaves it: paths from the camera know theirs from the
+//! surface that they entered by. So its length waits.
+
+use glam::Vec3;
+
+use crate::accel::{Hit, PrimitiveId, RayKind};
+use crate::bsdf::{Bsdf, Transport};
+use crate::color::Rgb;
+use crate::integrate::direct::emitted_share;
+use crate::integrate::li::{Counters, FAR_CAP, interior, is_there};
+use crate::integrate::{roulette, scatter};
+use crate::prepare::{Casting, Detail, Effects, Prepared, PreparedMaterial, Surface};
+use crate::sampling::{Address, Purpose};
+use crate::shape::{Ray, offset_origin};
+
+/// A photon that lies on a surface that spreads light.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrate) struct Photon {
+    /// Where, world space.
+    pub(super) p: Vec3,
+    /// Unit direction that it came from.
+    pub(super) wi: Vec3,
+    /// Geometric normal of the surface, unit.
+    pub(super) ng: Vec3,
+    /// W.
+    pub(super) power: Rgb,
+    /// Length of its way, back to where it entered the medium in which it arrived, metres: what that medium
+    /// absorbs has not been taken from its power.
+    pub(super) inside: f32,
+    /// Scattering events so far.
+    pub(super) bounces: u32,
+}
+
+/// A photon that lands, with what it lands on.
+pub(super) struct Landing<'a> {
+    pub(super) photon: Photon,
+    pub(super) surface: Surface,
+    pub(super) hit: Hit,
+    pub(super) detail: Detail,
+    /// Index of the material.
+    pub(super) index: u32,
+    pub(super) material: &'a PreparedMaterial,
+}
+
+/// Follows one photon, whose power is `share` of that of the light; `landed` is called wherever it lands.
+pub(super) fn walk(
+    scene: &Prepared,
+    casting: &Casting,
+    address: &Address,
+    share: f32,
+    counters: &mut Counters,
+    mut landed: impl FnMut(&Landing<'_>, &mut Counters),
+) {
+    let numbers = |k| address.block(0, Purpose::Photon, 0, k);
+    let Some(start) = casting.lights.emit(&scene.lights, numbers(0), numbers(1)) else { return };
+    let mut power = start.power * share;
+    if start.from != PrimitiveId::NONE {
+        power *= emitted_share(scene, start.from, start.p, start.cos);
+    }
+    let (mut ray, mut from) = (start.ray, start.from);
+    let (mut bounces, mut passed, mut inside) = (0u32, 0u32, 0.0f32);
+    // What the events so far have left, for roulette.
+    let mut beta = Rgb::WHITE;
+    loop {
+        counters.rays += 1;
+        let Some(hit) = scene.accel.closest(&ray, from, RayKind::Other) else { return };
+        let surface = scene.surface(&ray, &hit, true);
+        let index = scene.material_of(surface.object);
+        let material = &scene.materials[index as usize];
+        let detail = if material.detailed { scene.detail(surface.object, &hit) } else { Detail::NONE };
+        inside += hit.t;
+        from = surface.id;
+        if !is_there(material, &detail, address, bounces, passed) {
+            passed += 1;
+            if passed >= FAR_CAP {
+                counters.capped += 1;
+                return;
+            }
+            ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, ray.d), ray.d);
+            continue;
+        }
+        let casts = casting.casts[index as usize];
+        if power.is_black() || (bounces == 0 && !casts) {
+            return;
+        }
+        let wi = -ray.d;
+        let photon = Photon { p: surface.p, wi, ng: surface.ng, power, inside, bounces };
+        let landing = Landing { photon, surface, hit, detail, index, material };
+        if bounces > 0 && spreads(material, &landing.detail) {
+            landed(&landing, counters);
+        }
+        // A path from the camera has these events, the next one, and one where the photon lands.
+        if !casts || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
+            return;
+        }
+        if bounces >= FAR_CAP {
+            counters.capped += 1;
+            return;
+        }
+
+        let u = address.block(bounces, Purpose::Bsdf, 0, 0);
+        let Some((w, weight)) = throw(scene, &landing, u) else { return };
+        power *= weight;
+        beta *= weight;
+        if material.encloses && w.dot(surface.ng) * wi.dot(surface.ng) < 0.0 {
+            // The path from the camera that comes from the front has been inside since.
+            if w.dot(surface.ng) > 0.0 {
+                power *= interior(scene, index, inside);
+            }
+            inside = 0.0;
+        }
+        ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, w), w);
+        bounces += 1;
+        match roulette::survive(beta, 1.0, bounces, u[3]) {
+            Some(scale) => {
+                power *= scale;
+                beta *= scale;
+            }
+            None => return,
+        }
+    }
+}
+
+/// The normals that a path from the camera may use at a surface, in the order in which it tries them: that of a
+/// map, the interpolated one, the geometric one.
+struct Normals([Option<Vec3>; 3]);
+
+impl Normals {
+    fn new(scene: &Prepared, landing: &Landing<'_>) -> Self {
+        let Landing { surface, hit, detail, material, .. } = landing;
+        let mapped =
+            material.normal.as_ref().and_then(|map| scene.mapped_normal(map, surface.object, hit, detail));
+        Self([mapped, (surface.ns != surface.ng).then_some(surface.ns), Some(surface.ng)])
+    }
+
+    /// The index of the one that counts for light that leaves in the direction `w`: the first that sees it on
+    /// the side on which the geometric normal sees it.
+    fn chosen(&self, w: Vec3) -> usize {
+        let side = self.0[2].map_or(0.0, |ng| ng.dot(w));
+        self.0[..2].iter().position(|n| n.is_some_and(|n| n.dot(w) * side > 0.0)).unwrap_or(2)
+    }
+}
+
+/// A direction of a delta lobe, and the factor on the power; `None` where the photon ends.
+fn throw(scene: &Prepared, landing: &Landing<'_>, u: [f32; 4]) -> Option<(Vec3, Rgb)> {
+    let Landing { photon, surface, detail, material, .. } = landing;
+    let (wi, ng) = (photon.wi, surface.ng);
+    let normals = Normals::new(scene, landing);
+    let mut found: [Option<(Vec3, Rgb)>; 3] = [None; 3];
+    for (i, n) in normals.0.iter().enumerate() {
+        let Some(n) = *n else { continue };
+        let frame = scatter::Frame::new(&Surface { ns: n, ..*surface }, wi);
+        let compiled;
+        let bsdf = match &material.varying {
+            Some(varying) => {
+                compiled = varying.bsdf(detail, frame.cos());
+                &compiled
+            }
+            None => &material.bsdf,
+        };
+        let sample =
+            scatter::sample(scene.simulates, bsdf, &frame, [u[0], u[1], u[2]], Transport::Importance);
+        let Some((w, sample)) = sample.filter(|(_, s)| s.delta) else { continue };
+        if normals.chosen(w) != i {
+            continue;
+        }
+        let mut weight = sample.weight;
+        if n != ng {
+            weight *= (w.dot(ng) * wi.dot(n) / (wi.dot(ng) * w.dot(n))).abs();
+        }
+        if w.dot(ng) * wi.dot(ng) < 0.0 {
+            // Layers dim what leaves; the sample has dimmed it by the cosine of what arrives.
+            let below = |d: Vec3| material.emission_scale(detail, d.dot(n).abs());
+            let (leaving, arriving) = (below(w), below(wi));
+            if leaving != arriving {
+                weight *= leaving / arriving;
+            }
+        }
+        if weight.is_finite() {
+            found[i] = Some((w, weight));
+        }
+    }
+    // Each of several is one event of its own: one is followed, and stands for all.
+    let count = found.iter().flatten().count();
+    let pick = ((u[1] * count as f32) as usize).min(count.saturating_sub(1));
+    let (w, weight) = found.into_iter().flatten().nth(pick)?;
+    Some((w, weight * count as f32))
+}
+
+/// What the surface under a photon makes of light from `wi` in the direction `w` towards the camera, with the
+/// normal and the lobes of a path that comes from there: the value, times the cosine to the shading normal over
+/// that to the geometric one. `None` where it is zero.
+pub(super) fn spread(scene: &Prepared, landing: &Landing<'_>, w: Vec3) -> Option<Rgb> {
+    let Landing { photon, surface, detail, material, .. } = landing;
+    let normals = Normals::new(scene, landing);
+    let ns = normals.0[normals.chosen(w)]?;
+    let frame = scatter::Frame::new(&Surface { ns, ..*surface }, w);
+    let compiled;
+    let bsdf = match &material.varying {
+        Some(varying) => {
+            compiled = varying.bsdf(detail, frame.cos());
+            &compiled
+        }
+        None => &material.bsdf,
+    };
+    value(scene.simulates, bsdf, &frame, photon)
+}
+
+/// The value of a BSDF for light along a photon, times the ratio of its cosines.
+#[inline]
+fn value(fx: Effects, bsdf: &Bsdf, frame: &scatter::Frame, photon: &Photon) -> Option<Rgb> {
+    let (f, _) = scatter::f_and_pdf(fx, bsdf, frame, photon.wi, Transport::Radiance)?;
+    Some(f * cosine_ratio(photon, frame.ns()))
+}
+
+/// The cosine of a photon's direction to the shading normal over that to the geometric normal.
+#[inline]
+pub(super) fn cosine_ratio(photon: &Photon, ns: Vec3) -> f32 {
+    if ns == photon.ng { 1.0 } else { (photon.wi.dot(ns) / photon.wi.dot(photon.ng)).abs() }
+}
+
+/// Whether a surface spreads light at all, which does not depend on directions.
+fn spreads(material: &PreparedMaterial, detail: &Detail) -> bool {
+    match &material.varying {
+        Some(varying) => !varying.bsdf(detail, 1.0).is_delta(),
+        None => !material.bsdf.is_delta(),
+    }
+}

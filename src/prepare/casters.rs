@@ -1,0 +1,129 @@
+//! What throws light: the objects that photons are aimed at.
+//!
+//! A material throws light where one of its lobes has no spread. Flat objects with few faces are aimed at face
+//! by face, everything else by a ball around it.
+
+use glam::Vec3;
+
+use super::fold::Folded;
+use super::geometry::Flat;
+use super::material::{Numbers, has_coat};
+use crate::bsdf::SMOOTH_ALPHA;
+use crate::light::{
+    Aim, LightSet, PhotonLights, Rectangle, Target, TargetShape, TriangleLight, from_triangles,
+};
+use crate::scene::{MaterialKind, Principled, Scene};
+
+/// Objects with more triangles than this are aimed at as one ball.
+const MOST_FACES: u32 = 32;
+
+/// Where photons start, and which materials throw them on.
+#[derive(Clone, Debug)]
+pub(crate) struct Casting {
+    pub(crate) lights: PhotonLights,
+    /// For each material, whether it throws light.
+    pub(crate) casts: Vec<bool>,
+}
+
+impl Casting {
+    pub(super) fn new(scene: &Scene, folded: &Folded<'_>, flat: &Flat, lights: &LightSet) -> Self {
+        let strength: Vec<_> = folded.kinds.iter().map(|k| casts(k)).collect();
+        let mut targets = Vec::new();
+        for (object, range) in scene.objects.iter().zip(&flat.range) {
+            if let (Some(s), &Some((first, count))) = (strength[object.material.0 as usize], range) {
+                in_world(flat, first, count, s, &mut targets);
+            }
+        }
+        for (place, placed) in flat.placements.iter().zip(&flat.attributes.placed) {
+            let object = &scene.objects[placed.object as usize];
+            if let Some(s) = strength[object.material.0 as usize] {
+                let mesh = &flat.meshes[place.mesh as usize];
+                let world = |p: &Vec3| place.to_world.transform_point3(p.as_dvec3()).as_vec3();
+                let ball = crate::light::ball_around(mesh.positions.iter().map(world));
+                targets.push(Target::ball(ball.center, ball.radius, s));
+            }
+        }
+        let lights = PhotonLights::new(lights, Aim::new(targets), flat.radius);
+        Self { lights, casts: strength.iter().map(Option::is_some).collect() }
+    }
+}
+
+/// The targets of an object whose primitives are the `count` ones from `first`.
+fn in_world(flat: &Flat, first: u32, count: u32, strength: f32, targets: &mut Vec<Target>) {
+    let triangles = flat.world.triangles.len() as u32;
+    if count == 0 {
+        return;
+    }
+    if first >= triangles {
+        let (center, radius) = flat.world.spheres[(first - triangles) as usize];
+        targets.push(Target::ball(center, radius, strength));
+        return;
+    }
+    if count > MOST_FACES {
+        let corners = (first..first + count).flat_map(|i| flat.world.vertices(i));
+        let ball = crate::light::ball_around(corners);
+        targets.push(Target::ball(ball.center, ball.radius, strength));
+        return;
+    }
+    let mut i = first;
+    while i < first + count {
+        let v = flat.world.vertices(i);
+        let pair = (i + 1 < first + count).then(|| from_triangles(v, flat.world.vertices(i + 1))).flatten();
+        if let Some(r) = pair {
+            targets.push(face(&r, strength));
+            i += 2;
+            continue;
+        }
+        if let Some(t) = TriangleLight::new(v) {
+            targets.push(Target::flat(TargetShape::Triangle(t), &v, strength));
+        }
+        i += 1;
+    }
+}
+
+fn face(r: &Rectangle, strength: f32) -> Target {
+    Target::flat(TargetShape::Rectangle(*r), &r.corners(), strength)
+}
+
+/// The share of light that a material throws on, roughly, (0, 1]; `None` where none of its lobes can be
+/// without spread.
+pub(super) fn casts(kind: &MaterialKind) -> Option<f32> {
+    match kind {
+        MaterialKind::Diffuse { .. } | MaterialKind::Light { .. } => None,
+        MaterialKind::Mirror { color } => (!color.is_black()).then(|| color.max_channel().clamp(LEAST, 1.0)),
+        MaterialKind::Glass(_) => Some(1.0),
+        MaterialKind::Principled(p) => principled(p),
+    }
+}
+
+/// No share counts as less: what is thrown at grazing angles, or by a texel, may be all.
+const LEAST: f32 = 0.06;
+
+fn principled(p: &Principled) -> Option<f32> {
+    let numbers = Numbers::from(p);
+    let t = &p.textures;
+    // Textures multiply, so that they may make smoother what is rough.
+    let smooth = |roughness: f32, varies: bool| varies || roughness * roughness < SMOOTH_ALPHA;
+    let metallic = if numbers.metallic > 0.0 { numbers.metallic } else { 0.0 };
+    let transmits = if metallic < 1.0 || t.metallic.is_some() { numbers.transmission } else { 0.0 };
+    let mut share: Option<f32> = None;
+    let mut add = |s: f32| share = Some(share.unwrap_or(0.0) + s);
+    if smooth(numbers.roughness, t.roughness.is_some()) {
+        if metallic > 0.0 {
+            add(metallic * p.base_color.max_channel());
+        }
+        if transmits > 0.0 {
+            add((1.0 - metallic) * transmits);
+        }
+        if numbers.specular > 0.0 && numbers.ior != 1.0 {
+            add(LEAST);
+        }
+    } else if transmits > 0.0 && numbers.ior == 1.0 && !numbers.thin {
+        // A body of index one lets light pass straight, however rough it is.
+        add((1.0 - metallic) * transmits);
+    }
+    if has_coat(&numbers) && smooth(numbers.coat_roughness, t.coat_roughness.is_some()) {
+        add(LEAST * numbers.coat);
+    }
+    share.map(|s| s.clamp(LEAST, 1.0))
+}
