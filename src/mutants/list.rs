@@ -129,7 +129,7 @@ impl Mutant {
                 "mis-measure",
                 "the density of a light met by chance is per area, that of a sampled one per solid angle",
                 &["matched"],
-                &[],
+                &["N55"],
             ),
             Self::LightDropped => row(
                 "light-dropped",
@@ -141,11 +141,14 @@ impl Mutant {
                 "roulette-uncompensated",
                 "paths that survive roulette are not divided by their probability",
                 &["matched"],
-                &[],
+                &["N56", "N58"],
             ),
-            Self::EtaSquared => {
-                row("eta-squared", "refraction does not divide radiance by eta squared", &["matched"], &[])
-            }
+            Self::EtaSquared => row(
+                "eta-squared",
+                "refraction does not divide radiance by eta squared",
+                &["matched"],
+                &["N34", "N44"],
+            ),
             Self::FresnelAngle => row(
                 "fresnel-angle",
                 "light that enters a denser medium is totally reflected beyond the critical angle",
@@ -156,7 +159,7 @@ impl Mutant {
                 "origin-offset",
                 "rays leave a surface from 0.04 m above it instead of from its error bound",
                 &["tile"],
-                &[],
+                &["N04", "N07"],
             ),
             Self::DepthOffByOne => {
                 row("depth-off-by-one", "a limit of n scattering events lets n + 1 happen", &["image"], &[])
@@ -185,9 +188,12 @@ impl Mutant {
             Self::GammaTwice => {
                 row("gamma-twice", "eight-bit pictures pass the sRGB curve twice", &["export"], &[])
             }
-            Self::NanBlack => {
-                row("nan-black", "the film counts a sample that is not a number as black", &["film"], &[])
-            }
+            Self::NanBlack => row(
+                "nan-black",
+                "the film counts a sample that is not a number as black",
+                &["film"],
+                &["N64"],
+            ),
             Self::AreaSampling => row(
                 "area-sampling",
                 "rectangles are sampled by area, not by solid angle: more noise, the same mean",
@@ -198,25 +204,28 @@ impl Mutant {
                 "fixed-epsilon",
                 "rays leave a surface from 1e-4 m above it instead of from its error bound",
                 &[],
-                &[],
+                &["N01", "N04", "N07"],
             ),
             Self::MoellerTrumbore => row(
                 "moeller-trumbore",
                 "triangles are tested by Moeller and Trumbore's method, in single precision",
                 &[],
-                &[],
+                &["N13"],
             ),
-            Self::SpherePq => {
-                row("sphere-pq", "spheres are tested by the pq formula, in single precision", &[], &[])
-            }
+            Self::SpherePq => row(
+                "sphere-pq",
+                "spheres are tested by the pq formula, in single precision",
+                &[],
+                &["N22", "N24"],
+            ),
             Self::SchlickInside => row(
                 "schlick-inside",
                 "light that leaves glass is reflected by Schlick's formula, with the angle inside of the glass",
                 &[],
-                &[],
+                &["N27", "N28"],
             ),
             Self::RunningMean => {
-                row("running-mean", "the film keeps a running mean in single precision", &[], &[])
+                row("running-mean", "the film keeps a running mean in single precision", &[], &["N62"])
             }
         }
     }
