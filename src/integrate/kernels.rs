@@ -31,14 +31,12 @@ pub fn kernel(plan: &Plan) -> Kernel {
         li::<{ KERNELS[0].simulates.0 }>,
         li::<{ KERNELS[1].simulates.0 }>,
         li::<{ KERNELS[2].simulates.0 }>,
-        li::<{ KERNELS[3].simulates.0 }>,
         li::<{ Effects::AT_RUN_TIME.0 }>,
     ];
     let layered: [LayeredLiFn; KERNELS.len() + 1] = [
         li_in_layers::<{ KERNELS[0].simulates.0 }>,
         li_in_layers::<{ KERNELS[1].simulates.0 }>,
         li_in_layers::<{ KERNELS[2].simulates.0 }>,
-        li_in_layers::<{ KERNELS[3].simulates.0 }>,
         li_in_layers::<{ Effects::AT_RUN_TIME.0 }>,
     ];
     let i = plan.kernel;

@@ -6,6 +6,8 @@
 //! meet, and tests forget each to see the picture change. Lights are told apart by what they are compiled to,
 //! so that analysis and compilation cannot disagree.
 
+use glam::Vec4;
+
 use super::algorithm::caustics;
 use super::choices::{casters, choices, unseen};
 use super::fold::{Folded, Uses, fold, has_surface};
@@ -53,10 +55,21 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     let mut found = Collector::default();
     let folded = fold(scene, Effects::EVERYTHING);
     for object in scene.objects.iter().filter(|o| has_surface(scene, o)) {
-        if let Shape::Mesh(m) = object.shape
-            && !scene.meshes[m.0 as usize].normals.is_empty()
-        {
+        let Shape::Mesh(m) = object.shape else { continue };
+        let mesh = &scene.meshes[m.0 as usize];
+        if !mesh.normals.is_empty() {
             found.ask(Effect::SmoothNormals, || format!("object \"{}\"", object.name));
+        }
+        if mesh.colors.iter().any(|&c| c != Vec4::ONE) {
+            // Where a material takes them, it asks for them below.
+            let material = &scene.materials[object.material.0 as usize];
+            found.idle(Effect::VertexColors, || {
+                format!("material \"{}\" takes no colours of vertices", material.name)
+            });
+        } else if !mesh.colors.is_empty() {
+            found.idle(Effect::VertexColors, || {
+                format!("the vertices of object \"{}\" are white", object.name)
+            });
         }
     }
     materials(scene, &folded, &mut found);

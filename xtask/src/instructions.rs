@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
             [bench.count(&with_dummy, scene, "auto", false)?, bench.count(&program, scene, "auto", false)?];
         let change = with / without - 1.0;
         println_line(&format!("{scene:<34} {with:>8.0} / {without:>8.0} = {:+.3} %", 100.0 * change));
-        if change.abs() >= MOST {
+        if change >= MOST {
             broken.push(format!("{scene}: {:+.3} % by an effect that it does not have", 100.0 * change));
         }
     }
