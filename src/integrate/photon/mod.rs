@@ -29,7 +29,7 @@ use crate::light::SphereLight;
 use crate::prepare::{Casting, Caustics, Prepared};
 use crate::sampling::Address;
 
-/// Photons of a pass, at most: what bounds the memory of a map to 64 MiB.
+/// Photons of a pass, at most: what bounds the memory of a map to 70 MiB.
 const MOST_PHOTONS: u64 = 1 << 20;
 
 /// Photons that are traced together.
