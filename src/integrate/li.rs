@@ -67,6 +67,8 @@ struct PathState {
     through: bool,
     /// How many of its events had a spread.
     spread: u32,
+    /// Whether it is `E D (S+ D)*` so far, or nothing yet: the form of which photons reach the camera directly.
+    linked: bool,
     /// Which caustics it leaves to photons.
     caustics: Caustics,
     /// The last scattering event where it had a density; `None` after the camera and after delta lobes.
@@ -123,6 +125,7 @@ impl PathState {
             layers: [Rgb::BLACK; LightLayer::ALL.len()],
             through: false,
             spread: 0,
+            linked: true,
             caustics: scene.plan.caustics,
         }
     }
@@ -136,7 +139,7 @@ impl PathState {
     /// Adds light that the path met on its way, unless photons supply it.
     #[inline(always)]
     fn meet<const LAYERS: bool>(&mut self, found: Rgb) {
-        if self.meets_caustic() && self.caustics.by_photons(self.spread == 1 && !self.through) {
+        if self.meets_caustic() && self.caustics.by_photons(self.linked) {
             return;
         }
         let radiance = planted!(clamp(found));
@@ -178,7 +181,8 @@ impl PathState {
     }
 }
 
-/// From one vertex to the next; at each but the first, photons of `map` are gathered where there is one.
+/// From one vertex to the next; photons of `map` are gathered where there is one, but for those that reach the
+/// camera from here without this path.
 #[inline(always)]
 fn step<const FX: u32, const LAYERS: bool>(
     scene: &Prepared,
@@ -305,6 +309,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         path.lit::<LAYERS>(path.beta * ld);
         if let Some(map) = map
             && path.depth > 0
+            && !(path.linked && path.sampled.is_none())
         {
             let place = (path.depth, path.spread > 0);
             let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
@@ -323,6 +328,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
         path.medium = beyond;
     }
+    path.linked &= if path.depth == 0 { !sample.delta } else { sample.delta || path.sampled.is_none() };
     path.through |= path.depth == 0 && sample.delta;
     path.spread += u32::from(!sample.delta);
     path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });

@@ -320,3 +320,97 @@ fn around(a: SphereLight, b: SphereLight) -> SphereLight {
     let rounding = center.abs().max_element() * f64::from(crate::math::gamma(8));
     SphereLight { center: center.as_vec3(), radius: (radius * 1.000_01 + rounding) as f32 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::mix64;
+
+    fn uniform(i: u64) -> [f32; 3] {
+        [0, 1, 2].map(|k| (mix64(3 * i + k + 1) >> 40) as f32 / 16_777_216.0)
+    }
+
+    /// Balls that overlap and hide each other, one around the origin, and flat shapes.
+    fn aims() -> Vec<Aim> {
+        let square =
+            Rectangle::new(Vec3::new(-1.0, 2.0, -1.0), [Vec3::Z * 2.0, Vec3::X * 2.0]).expect("a square");
+        let square = Target::flat(Shape::Rectangle(square), &square.corners(), 0.5);
+        let v = [Vec3::new(1.0, 0.5, 0.0), Vec3::new(2.0, 0.5, 1.0), Vec3::new(1.0, 2.0, 1.0)];
+        let triangle = Target::flat(Shape::Triangle(TriangleLight::new(v).expect("a triangle")), &v, 1.0);
+        let balls = [(Vec3::Y * 3.0, 1.0), (Vec3::new(0.5, 4.0, 0.0), 1.2), (Vec3::new(-2.0, 0.3, 1.0), 0.7)];
+        let balls = balls.map(|(c, r)| Target::ball(c, r, 1.0));
+        let mut all = balls.to_vec();
+        all.extend([square, triangle]);
+        let inside = vec![Target::ball(Vec3::X * 0.5, 1.0, 0.2), balls[0]];
+        let many = (0..200).map(|i| Target::ball(Vec3::from(uniform(i)) * 4.0 + 1.0, 0.1, 1.0)).collect();
+        [balls.to_vec(), vec![square, triangle], all, inside, many].map(Aim::new).to_vec()
+    }
+
+    /// Guards the density: the mean of its inverse is the solid angle of everything that is aimed at, wherever
+    /// targets overlap, and what is found is where it says.
+    #[test]
+    fn directions_have_their_density() {
+        let n = 40_000;
+        for (which, aim) in aims().iter().enumerate() {
+            for normal in [None, Some(Vec3::new(0.3, 1.0, 0.2).normalize())] {
+                let above = |w: Vec3| normal.is_none_or(|n| w.dot(n) > 0.0);
+                let lies = |w: Vec3| {
+                    above(w)
+                        && aim.targets.iter().any(|t| {
+                            t.view(Vec3::ZERO).is_some_and(|(v, _)| t.pdf(&v, Vec3::ZERO, w, normal) > 0.0)
+                        })
+                };
+                let (mut found, mut solid) = (0.0, 0.0);
+                for i in 0..n {
+                    let u = uniform(i);
+                    if let Some((w, pdf)) = aim.from_point(Vec3::ZERO, normal, u) {
+                        assert!(above(w) && (w.length() - 1.0).abs() < 1e-5);
+                        found += 1.0 / f64::from(pdf) / n as f64;
+                    }
+                    let w = square_to_sphere([u[1], u[2]]);
+                    solid += f64::from(u8::from(lies(w))) * 4.0 * std::f64::consts::PI / n as f64;
+                }
+                // The inverse has a spread of about itself, the fraction of hits one of sqrt(p (1 - p) / n).
+                let sigma =
+                    (solid * 4.0 * std::f64::consts::PI / n as f64).sqrt() + solid / (n as f64).sqrt();
+                assert!((found - solid).abs() < 5.0 * sigma, "{which} {normal:?}: {found} {solid}");
+            }
+        }
+    }
+
+    /// Guards the same for parallel light, whose place has a density per area.
+    #[test]
+    fn places_have_their_density() {
+        let w = Vec3::new(0.2, -0.5, 0.8).normalize();
+        let frame = Frame::from_z(w);
+        let n = 40_000;
+        for (which, aim) in aims().iter().enumerate() {
+            let (mut found, mut area) = (0.0, 0.0);
+            for i in 0..n {
+                let u = uniform(i);
+                let (p, pdf) = aim.across(w, u).expect("targets");
+                assert!(aim.targets.iter().any(|t| {
+                    let d = (t.ball.center - p).cross(w).length();
+                    d <= 1.001 * t.ball.radius
+                }));
+                found += 1.0 / pdf / n as f64;
+                let q = (frame.s * (2.0 * u[1] - 1.0) + frame.t * (2.0 * u[2] - 1.0)) * 8.0;
+                area += 256.0 * f64::from(u8::from(aim.targets.iter().any(|t| t.in_line(q, w)))) / n as f64;
+            }
+            let sigma = (area * 256.0 / n as f64).sqrt() + area / (n as f64).sqrt();
+            assert!((found - area).abs() < 5.0 * sigma, "{which}: {found} {area}");
+        }
+    }
+
+    /// Guards the limit on what is looked at: many targets become few that hold them all.
+    #[test]
+    fn many_targets_are_merged() {
+        let many: Vec<Target> =
+            (0..1000).map(|i| Target::ball(Vec3::from(uniform(i)) * 9.0, 0.05, 0.5)).collect();
+        let aim = Aim::new(many.clone());
+        assert!(aim.targets.len() <= MOST_TARGETS && aim.targets.iter().all(|t| t.strength == 0.5));
+        let holds =
+            |a: &Target, b: &Target| a.ball.center.distance(b.ball.center) + b.ball.radius <= a.ball.radius;
+        assert!(many.iter().all(|m| aim.targets.iter().any(|t| holds(t, m))));
+    }
+}

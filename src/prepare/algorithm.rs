@@ -34,9 +34,9 @@ pub enum Caustics {
     /// By paths from the camera that meet a light by chance.
     #[default]
     Path,
-    /// `E D S+ L` by photons that are connected to the camera, without bias; the others as in `Path`.
+    /// `E D (S+ D)* S+ L` by photons that are connected to the camera, without bias; the others as in `Path`.
     Traced,
-    /// `E D S+ L` as in `Traced`, the others by density estimation: photons near a vertex D of a path. That is
+    /// Those as in `Traced`, the others by density estimation: photons near a vertex D of a path. That is
     /// consistent: its bias vanishes as passes are added.
     Photon,
 }
@@ -62,14 +62,13 @@ impl Caustics {
         }
     }
 
-    /// Whether paths from the camera leave a caustic to photons, of which the camera sees the vertex D
-    /// directly (`E D S+ L`) or not.
+    /// Whether paths from the camera leave a caustic to photons, which is `linked` (`E D (S+ D)* S+ L`) or not.
     #[inline]
     #[must_use]
-    pub fn by_photons(self, directly: bool) -> bool {
+    pub fn by_photons(self, linked: bool) -> bool {
         match self {
             Self::Path => false,
-            Self::Traced => directly,
+            Self::Traced => linked,
             Self::Photon => true,
         }
     }

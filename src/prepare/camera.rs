@@ -167,3 +167,61 @@ impl CameraRays {
         -(p.as_dvec3() - self.origin).dot(self.back) as f32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+
+    use super::*;
+    use crate::scene::Lens;
+
+    fn cameras() -> Vec<Camera> {
+        let transform = DAffine3::from_rotation_translation(
+            glam::DQuat::from_euler(glam::EulerRot::YXZ, 0.7, -0.3, 0.2),
+            DVec3::new(1.0, -2.0, 0.5),
+        );
+        let mut list = Vec::new();
+        let perspective = Projection::Perspective { fov: 0.9, axis: FovAxis::Horizontal };
+        for projection in [perspective, Projection::Orthographic { extent: 3.0, axis: FovAxis::Vertical }] {
+            for lens in [None, Some(Lens { radius: 0.3, focus_distance: 2.5 })] {
+                let (name, shift, aspect) = ("c".to_owned(), [0.2, -0.1], None);
+                list.push(Camera { name, transform, projection, shift, lens, aspect });
+            }
+        }
+        list
+    }
+
+    /// Guards that a camera sees a point in the pixel, and from where, that the ray to it passes; and that its
+    /// importance is one over the area which the pixel has on a plane there that faces the camera.
+    #[test]
+    fn a_point_is_seen_where_its_ray_passes() {
+        let size = [17, 11];
+        for camera in cameras() {
+            let rays = CameraRays::new(&camera, size);
+            for (i, t) in [(0u32, 0.5f32), (40, 1.7), (100, 9.0), (186, 2.5)] {
+                let pixel = [i % size[0], i / size[0]];
+                let lens = Vec2::new(0.4, -0.7);
+                let ray = rays.ray(pixel, [0.3, 0.6], || lens);
+                let p = ray.at(t);
+                let seen = rays.see(p, || lens).expect("in view");
+                assert_eq!(seen.pixel, pixel, "{camera:?}");
+                assert!((seen.wo + ray.d).length() < 1e-5 && (seen.origin - ray.o).length() < 1e-5);
+                // Neighbouring rays through one point of the lens, on the plane through p.
+                let on_plane = |x: f32, y: f32| {
+                    let r = rays.ray(pixel, [x, y], || lens);
+                    let n = rays.back.as_vec3();
+                    r.o + r.d * ((p - r.o).dot(n) / r.d.dot(n))
+                };
+                let corner = on_plane(0.0, 0.0);
+                let area = (on_plane(1.0, 0.0) - corner).cross(on_plane(0.0, 1.0) - corner).length();
+                let cos = seen.wo.dot(rays.back.as_vec3());
+                let product = seen.importance * cos * area;
+                assert!((product - 1.0).abs() < 2e-3, "{camera:?}: {product}");
+            }
+            let behind = (rays.origin + rays.back).as_vec3();
+            assert!(rays.see(behind, || Vec2::ZERO).is_none());
+            let beside = (rays.origin - rays.back + rays.right * 9.0).as_vec3();
+            assert!(rays.see(beside, || Vec2::ZERO).is_none());
+        }
+    }
+}

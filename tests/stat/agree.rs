@@ -134,7 +134,7 @@ fn file(text: &str) -> Scene {
 
 /// Makes the lamp called `name` `factor` times as long and as wide, moves it ten centimetres to where it
 /// shines so that it does not coincide with the ceiling, and dims it so that its power is the same.
-fn enlarge(scene: &mut Scene, name: &str, factor: f32) {
+pub(crate) fn enlarge(scene: &mut Scene, name: &str, factor: f32) {
     let object = scene.objects.iter().find(|o| o.name == name).expect("the lamp");
     let Shape::Mesh(mesh) = object.shape else { panic!("a flat lamp") };
     let mesh = &mut scene.meshes[mesh.0 as usize];

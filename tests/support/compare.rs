@@ -150,16 +150,16 @@ impl Pair<'_> {
         if detectable > self.bound || detectable.is_nan() {
             let _ = write!(wrong, " too noisy to see {} %", 100.0 * self.bound);
         }
-        self.keep(&report);
+        keep(self.name, &report);
         if wrong.is_empty() { Ok(report) } else { Err(format!("{report}\n   {wrong}")) }
     }
+}
 
-    /// Leaves the figures in a file beside the build, for whoever asks how sharp the tests are.
-    fn keep(&self, report: &str) {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("agreement");
-        let file: String = self.name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-        if std::fs::create_dir_all(&folder).is_ok() {
-            let _ = std::fs::write(folder.join(file + ".txt"), report);
-        }
+/// Leaves the figures of a comparison in a file beside the build, for whoever asks how sharp the tests are.
+pub(crate) fn keep(name: &str, report: &str) {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("agreement");
+    let file: String = name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+    if std::fs::create_dir_all(&folder).is_ok() {
+        let _ = std::fs::write(folder.join(file + ".txt"), report);
     }
 }

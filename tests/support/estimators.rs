@@ -11,6 +11,7 @@ use epsilux::prepare::{Algorithms, Caustics, CausticsMode, Options, prepare};
 use epsilux::scene::Scene;
 use epsilux::stats::{Moments, sidak_each, student_two_sided, welch};
 
+use super::compare::keep;
 use super::fast::options;
 use super::seed::seed;
 
@@ -21,7 +22,7 @@ const FAMILY_ALPHA: f64 = 1e-4;
 const PARTS: usize = 10;
 
 /// Standard errors that a bias must have to be seen nearly always, with the degrees of freedom of runs.
-const SEEN: f64 = 9.0;
+const SEEN: f64 = 8.0;
 
 /// What to compare, and how well.
 #[derive(Clone)]
@@ -145,5 +146,6 @@ pub(crate) fn judge(name: &str, a: &Means, b: &Means, bound: f64, bias: f64) -> 
     if seen.is_nan() || seen > bound {
         wrong += &format!(" too noisy to see {} %", 100.0 * bound);
     }
+    keep(&format!("photons, {name}"), &report);
     if wrong.is_empty() { Ok(report) } else { Err(format!("{report}\n   {wrong}")) }
 }

@@ -104,7 +104,8 @@ fn placed(scale: DVec3, turn: f64, at: DVec3) -> DAffine3 {
     DAffine3::from_translation(at) * DAffine3::from_rotation_y(turn) * DAffine3::from_scale(scale)
 }
 
-fn tinted_glass(ior: f32, distance: f32) -> MaterialKind {
+/// Glass that tints and absorbs.
+pub(crate) fn tinted_glass(ior: f32, distance: f32) -> MaterialKind {
     let absorption = Some(Absorption { color: Rgb::new(0.8, 0.5, 0.3), distance });
     MaterialKind::Glass(Glass { ior, tint: Rgb::new(0.7, 0.9, 1.0), absorption, priority: None })
 }

@@ -41,6 +41,8 @@ const SAME_SURFACE: f32 = 0.9;
 /// Photons in an order that makes them a tree.
 pub(in crate::integrate) struct PhotonMap {
     photons: Vec<Photon>,
+    /// Where each is, once more: what the search reads lies close together.
+    places: Vec<Vec3>,
     /// Axis along which each photon splits its range.
     axes: Vec<u8>,
     scale: Scale,
@@ -68,8 +70,8 @@ impl PhotonMap {
         let mut order: Vec<(Vec3, u32)> = photons.iter().zip(0..).map(|(p, i)| (p.p, i)).collect();
         let mut axes = vec![0; order.len()];
         split(&mut order, &mut axes);
-        let photons = order.iter().map(|&(_, i)| photons[i as usize]).collect();
-        Self { photons, axes, scale }
+        let (places, photons) = order.into_iter().map(|(p, i)| (p, photons[i as usize])).unzip();
+        Self { photons, places, axes, scale }
     }
 
     /// The radius of the disk around `p`; `spread` says whether light has been spread on its way from there.
@@ -92,12 +94,12 @@ impl PhotonMap {
             let (mut low, mut high) = stack[depth];
             while high as usize - low as usize > LEAF {
                 let middle = low + (high - low) / 2;
-                let photon = &self.photons[middle as usize];
+                let at = self.places[middle as usize];
                 let axis = usize::from(self.axes[middle as usize]);
-                let d = p[axis] - photon.p[axis];
-                let d2 = photon.p.distance_squared(p);
+                let d = p[axis] - at[axis];
+                let d2 = at.distance_squared(p);
                 if d2 <= r2 {
-                    found(photon, d2);
+                    found(&self.photons[middle as usize], d2);
                 }
                 let (left, right) = ((low, middle), (middle + 1, high));
                 let (near, far) = if d <= 0.0 { (left, right) } else { (right, left) };
@@ -107,10 +109,10 @@ impl PhotonMap {
                 }
                 (low, high) = near;
             }
-            for photon in &self.photons[low as usize..high as usize] {
-                let d2 = photon.p.distance_squared(p);
+            for i in low as usize..high as usize {
+                let d2 = self.places[i].distance_squared(p);
                 if d2 <= r2 {
-                    found(photon, d2);
+                    found(&self.photons[i], d2);
                 }
             }
         }

@@ -4,10 +4,11 @@
 //! without spread, and D any other. Paths from the camera find it only by chance; where the plan says so they
 //! leave it out, and photons, aimed at what throws light ([`crate::light::Aim`]), supply it:
 //!
-//! * `E D S+ L`: a photon that went over S+ is connected to the camera from each D that it meets, and adds to
-//!   the pixel in which it is seen (light tracing; Arvo 1986, Dutre et al. 1993). Unbiased.
-//! * the others: the photons of the pass are kept in a [`PhotonMap`], and each D of a path from the camera
-//!   but the first gathers those around it (Jensen, EGWR 1996). The radius of pass p follows from p alone,
+//! * `E D (S+ D)* S+ L`, where the camera sees the last D directly and light reached each other over S+: a photon
+//!   is connected to the camera from each D, and adds to the pixel in which it is seen (light tracing; Arvo 1986,
+//!   Dutre et al. 1993). Unbiased.
+//! * the others: the photons of the pass are kept in a [`PhotonMap`], and each other D of a path from the camera
+//!   gathers those around it that came over S+ alone (Jensen, EGWR 1996). The radius of pass p follows from p alone,
 //!   r_p^2 = r_0^2 prod (j + a) / (j + 1) over j = 1 .. p with a = 2/3 (Knaus and Zwicker, "Progressive Photon
 //!   Mapping: A Probabilistic Approach", TOG 2011), so that passes know nothing of each other and can be
 //!   made anywhere in any order. The bias vanishes as passes are added.
@@ -29,7 +30,7 @@ use crate::light::SphereLight;
 use crate::prepare::{Casting, Caustics, Prepared};
 use crate::sampling::Address;
 
-/// Photons of a pass, at most: what bounds the memory of a map to 64 MiB.
+/// Photons of a pass, at most: what bounds the memory of a map to 70 MiB.
 const MOST_PHOTONS: u64 = 1 << 20;
 
 /// Photons that are traced together.
@@ -86,7 +87,7 @@ impl<'a> Tracer<'a> {
             let address = Address::photon(self.scene.seed, pass, i);
             trace::walk(self.scene, self.casting, &address, share, counters, |landing, counters| {
                 traced.splats.extend(splat::splat(self.scene, landing, &address, self.crop, counters));
-                if maps {
+                if maps && !landing.spread_before {
                     traced.photons.push(landing.photon);
                 }
             });

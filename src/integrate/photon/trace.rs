@@ -1,7 +1,8 @@
 //! Photons on their way: from a light over mirrors and glass to what is neither.
 //!
-//! In: an address. Out: each place where a photon that was thrown at least once lands on a surface that
-//! spreads light. A photon follows delta lobes only; it ends where another lobe is chosen.
+//! In: an address. Out: each place where a photon that was thrown by the event before lands on a surface that
+//! spreads light. A photon follows delta lobes; where it lands it may be spread once, and has to be thrown again
+//! next: its way is S+ (D S+)*.
 //!
 //! What surfaces do is defined for light towards the camera. Let w be the direction towards the camera and wi
 //! that towards the light at one vertex. Normals that differ from the geometric one make radiance and flux
@@ -19,7 +20,7 @@ use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
 use crate::integrate::direct::emitted_share;
 use crate::integrate::li::{Counters, FAR_CAP, interior, is_there};
-use crate::integrate::{roulette, scatter};
+use crate::integrate::{roulette, scatter as lobes};
 use crate::prepare::{Casting, Detail, Effects, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
@@ -45,6 +46,8 @@ pub(in crate::integrate) struct Photon {
 /// A photon that lands, with what it lands on.
 pub(super) struct Landing<'a> {
     pub(super) photon: Photon,
+    /// Whether it was spread on its way, and has been thrown again since.
+    pub(super) spread_before: bool,
     pub(super) surface: Surface,
     pub(super) hit: Hit,
     pub(super) detail: Detail,
@@ -70,6 +73,8 @@ pub(super) fn walk(
     }
     let (mut ray, mut from) = (start.ray, start.from);
     let (mut bounces, mut passed, mut inside) = (0u32, 0u32, 0.0f32);
+    // Whether the last event had no spread, and whether an earlier one had.
+    let (mut thrown, mut spread_before) = (false, false);
     // What the events so far have left, for roulette.
     let mut beta = Rgb::WHITE;
     loop {
@@ -91,17 +96,18 @@ pub(super) fn walk(
             continue;
         }
         let casts = casting.casts[index as usize];
-        if power.is_black() || (bounces == 0 && !casts) {
+        if power.is_black() || !(thrown || casts) {
             return;
         }
         let wi = -ray.d;
         let photon = Photon { p: surface.p, wi, ng: surface.ng, power, inside, bounces };
-        let landing = Landing { photon, surface, hit, detail, index, material };
-        if bounces > 0 && spreads(material, &landing.detail) {
+        let landing = Landing { photon, spread_before, surface, hit, detail, index, material };
+        let lands = thrown && spreads(material, &landing.detail);
+        if lands {
             landed(&landing, counters);
         }
         // A path from the camera has these events, the next one, and one where the photon lands.
-        if !casts || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
+        if !(casts || lands) || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
             return;
         }
         if bounces >= FAR_CAP {
@@ -110,7 +116,9 @@ pub(super) fn walk(
         }
 
         let u = address.block(bounces, Purpose::Bsdf, 0, 0);
-        let Some((w, weight)) = throw(scene, &landing, u) else { return };
+        let Some(next) = scatter(scene, &landing, lands, u) else { return };
+        let Scattered { w, weight, delta } = next;
+        (thrown, spread_before) = (delta, spread_before || !delta);
         power *= weight;
         beta *= weight;
         if material.encloses && w.dot(surface.ng) * wi.dot(surface.ng) < 0.0 {
@@ -152,15 +160,23 @@ impl Normals {
     }
 }
 
-/// A direction of a delta lobe, and the factor on the power; `None` where the photon ends.
-fn throw(scene: &Prepared, landing: &Landing<'_>, u: [f32; 4]) -> Option<(Vec3, Rgb)> {
+/// Where a photon goes on, and the factor on its power.
+#[derive(Clone, Copy)]
+struct Scattered {
+    w: Vec3,
+    weight: Rgb,
+    delta: bool,
+}
+
+/// A direction of a delta lobe, or of any other one where the photon `lands`; `None` where it ends.
+fn scatter(scene: &Prepared, landing: &Landing<'_>, lands: bool, u: [f32; 4]) -> Option<Scattered> {
     let Landing { photon, surface, detail, material, .. } = landing;
     let (wi, ng) = (photon.wi, surface.ng);
     let normals = Normals::new(scene, landing);
-    let mut found: [Option<(Vec3, Rgb)>; 3] = [None; 3];
+    let mut found: [Option<Scattered>; 3] = [None; 3];
     for (i, n) in normals.0.iter().enumerate() {
         let Some(n) = *n else { continue };
-        let frame = scatter::Frame::new(&Surface { ns: n, ..*surface }, wi);
+        let frame = lobes::Frame::new(&Surface { ns: n, ..*surface }, wi);
         let compiled;
         let bsdf = match &material.varying {
             Some(varying) => {
@@ -169,9 +185,17 @@ fn throw(scene: &Prepared, landing: &Landing<'_>, u: [f32; 4]) -> Option<(Vec3, 
             }
             None => &material.bsdf,
         };
-        let sample =
-            scatter::sample(scene.simulates, bsdf, &frame, [u[0], u[1], u[2]], Transport::Importance);
-        let Some((w, sample)) = sample.filter(|(_, s)| s.delta) else { continue };
+        let sample = lobes::sample(scene.simulates, bsdf, &frame, [u[0], u[1], u[2]], Transport::Importance);
+        let Some((w, sample)) = sample else { continue };
+        if !sample.delta {
+            // Any normal serves to sample a lobe with a density, but only one.
+            if lands && normals.chosen(wi) == i {
+                let value = spread(scene, landing, w);
+                let weight = value.map(|f| f * (w.dot(ng).abs() / sample.pdf)).filter(|x| x.is_finite());
+                found[i] = weight.map(|weight| Scattered { w, weight, delta: false });
+            }
+            continue;
+        }
         if normals.chosen(w) != i {
             continue;
         }
@@ -188,14 +212,14 @@ fn throw(scene: &Prepared, landing: &Landing<'_>, u: [f32; 4]) -> Option<(Vec3, 
             }
         }
         if weight.is_finite() {
-            found[i] = Some((w, weight));
+            found[i] = Some(Scattered { w, weight, delta: true });
         }
     }
     // Each of several is one event of its own: one is followed, and stands for all.
     let count = found.iter().flatten().count();
     let pick = ((u[1] * count as f32) as usize).min(count.saturating_sub(1));
-    let (w, weight) = found.into_iter().flatten().nth(pick)?;
-    Some((w, weight * count as f32))
+    let next = found.into_iter().flatten().nth(pick)?;
+    Some(Scattered { weight: next.weight * count as f32, ..next })
 }
 
 /// What the surface under a photon makes of light from `wi` in the direction `w` towards the camera, with the
@@ -205,7 +229,7 @@ pub(super) fn spread(scene: &Prepared, landing: &Landing<'_>, w: Vec3) -> Option
     let Landing { photon, surface, detail, material, .. } = landing;
     let normals = Normals::new(scene, landing);
     let ns = normals.0[normals.chosen(w)]?;
-    let frame = scatter::Frame::new(&Surface { ns, ..*surface }, w);
+    let frame = lobes::Frame::new(&Surface { ns, ..*surface }, w);
     let compiled;
     let bsdf = match &material.varying {
         Some(varying) => {
@@ -219,8 +243,8 @@ pub(super) fn spread(scene: &Prepared, landing: &Landing<'_>, w: Vec3) -> Option
 
 /// The value of a BSDF for light along a photon, times the ratio of its cosines.
 #[inline]
-fn value(fx: Effects, bsdf: &Bsdf, frame: &scatter::Frame, photon: &Photon) -> Option<Rgb> {
-    let (f, _) = scatter::f_and_pdf(fx, bsdf, frame, photon.wi, Transport::Radiance)?;
+fn value(fx: Effects, bsdf: &Bsdf, frame: &lobes::Frame, photon: &Photon) -> Option<Rgb> {
+    let (f, _) = lobes::f_and_pdf(fx, bsdf, frame, photon.wi, Transport::Radiance)?;
     Some(f * cosine_ratio(photon, frame.ns()))
 }
 
