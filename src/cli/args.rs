@@ -36,8 +36,9 @@ Examples:
   epsilux compare room.exr reference.exr             is the difference more than noise?
 
 Exit codes:
-  0 done   1 compared and differs   2 wrong usage   4 cannot load   5 refused by --strict
-  6 cannot write   130 or 143 stopped by a signal, picture saved"
+  0 done   1 compared and differs   2 wrong usage   3 ended before --error was reached
+  4 cannot load   5 refused by --strict   6 cannot write
+  130 or 143 stopped by a signal, picture saved"
 )]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -51,6 +52,7 @@ pub(super) enum Command {
     Info(InfoArgs),
     Convert(ConvertArgs),
     Compare(CompareArgs),
+    Merge(MergeArgs),
     Check(CheckArgs),
     Golden(super::golden::GoldenArgs),
     Demo(DemoArgs),
@@ -62,6 +64,39 @@ Examples:
 An editor that knows TOML or JSON schemas then completes and checks scenes whose first line is
   #:schema epsilux.schema.json")]
     Schema(SchemaArgs),
+}
+
+/// Join parts of a render
+///
+/// Parts are the files that `render --checkpoint` keeps: of some passes each (--passes), made at another time or
+/// on another machine. The pictures are those of one uninterrupted render, byte for byte. Parts of
+/// different scenes, settings or plans are refused, and passes that are there twice; gaps are listed.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  epsilux render room.toml --passes 0..64 --checkpoint a.part -o a.exr
+  epsilux render room.toml --passes 64..128 --checkpoint b.part -o b.exr
+  epsilux merge a.part b.part -o room.exr -o room.png")]
+pub(super) struct MergeArgs {
+    /// Files of parts, in any order
+    #[arg(required = true, value_name = "PART")]
+    pub(super) parts: Vec<PathBuf>,
+
+    /// Image file to write, by suffix .exr, .png, .bmp or .hdr; may repeat
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub(super) output: Vec<PathBuf>,
+
+    /// Keep the joined part in this file
+    #[arg(long, value_name = "FILE")]
+    pub(super) checkpoint: Option<PathBuf>,
+
+    /// Brighten .png and .bmp by this many stops, may be negative [default: as the parts were rendered]
+    #[arg(long, value_name = "EV", value_parser = units::stops, allow_hyphen_values = true)]
+    pub(super) exposure: Option<f32>,
+
+    /// Tone curve of .png and .bmp [default: as the parts were rendered]
+    #[arg(long, value_enum, value_name = "CURVE")]
+    pub(super) tone: Option<ToneArg>,
 }
 
 /// Which schema.
@@ -114,13 +149,32 @@ pub(super) struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
 
-    /// Samples per pixel [default: the scene's, else 64; without limit where --time is given]
+    /// Samples per pixel [default: the scene's, else 64; without limit where --error or --time is given]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     pub(super) spp: Option<u32>,
+
+    /// Stop once the error is at most this (1%, 0.5%): the root of the mean squared relative error, as estimated
+    /// from the picture itself. Exit code 3 where --spp or --time ends before
+    #[arg(long, value_name = "E", value_parser = units::share)]
+    pub(super) error: Option<f64>,
 
     /// Stop after this long (30s, 5min, 2h); samples for which only a part of the picture is done are dropped
     #[arg(long, value_name = "TIME", value_parser = units::time)]
     pub(super) time: Option<Duration>,
+
+    /// Render only passes A to B - 1 of the picture (half open): a part, which --checkpoint keeps and `merge`
+    /// joins with others
+    #[arg(long, value_name = "A..B", value_parser = units::passes, conflicts_with_all = ["spp", "time", "error"])]
+    pub(super) passes: Option<std::ops::Range<u32>>,
+
+    /// Keep the exact state in this file, now and then and at the end, and go on from it where it exists
+    /// (FILE.old is the one before)
+    #[arg(long, value_name = "FILE")]
+    pub(super) checkpoint: Option<PathBuf>,
+
+    /// Time between two checkpoints
+    #[arg(long, value_name = "TIME", value_parser = units::time, default_value = "30s", requires = "checkpoint")]
+    pub(super) checkpoint_every: Duration,
 
     /// Width and height of the picture in pixels [default: the scene's, else 800 wide in the camera's
     /// aspect, else 800x600]

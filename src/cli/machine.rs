@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::notes::NoteJson;
+use crate::film::ErrorEstimate;
 use crate::report::PlanFacts;
 
 /// What a run took.
@@ -27,6 +28,7 @@ pub(super) struct Report<'a> {
     /// Passes in the picture, half open: samples per pixel.
     pub(super) passes: [u32; 2],
     pub(super) partial: bool,
+    pub(super) error: Option<ErrorJson>,
     pub(super) stopped_by_signal: bool,
     pub(super) seconds: Seconds,
     pub(super) threads: usize,
@@ -39,6 +41,20 @@ pub(super) struct Report<'a> {
     pub(super) plan_sha256: String,
     pub(super) notes: Vec<NoteJson<'a>>,
     pub(super) machine: Machine,
+}
+
+/// The estimated error of the picture.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct ErrorJson {
+    error: f64,
+    interval: [f64; 2],
+    trusted: bool,
+}
+
+impl From<ErrorEstimate> for ErrorJson {
+    fn from(e: ErrorEstimate) -> Self {
+        Self { error: e.error, interval: e.interval, trusted: e.trusted }
+    }
 }
 
 /// Wall-clock time of each step, seconds.

@@ -16,11 +16,15 @@ mod golden;
 mod info;
 mod load;
 mod machine;
+mod merge;
 mod notes;
+mod parts;
 mod progress;
 mod render;
+mod saver;
 mod schema;
 mod signal;
+mod stated;
 mod units;
 
 use std::ffi::OsString;
@@ -41,6 +45,8 @@ enum Code {
     Differs = 1,
     /// Wrong usage.
     Usage = 2,
+    /// The budget ended before the error was reached; what was written is whole.
+    Short = 3,
     /// An input cannot be loaded.
     Load = 4,
     /// Refused by `--strict`.
@@ -79,6 +85,7 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Info(args) => info::run(&args, console),
         Command::Convert(args) => convert::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),
+        Command::Merge(args) => merge::run(&args, console),
         Command::Check(args) => check::run(&args, console),
         Command::Golden(args) => golden::run(&args, console),
         Command::Demo(args) => demo::run(&args, arguments, console),

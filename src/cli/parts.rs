@@ -21,7 +21,8 @@ pub(super) fn read(path: &Path) -> Result<Part, Failure> {
 
 /// Writes a part; an older file of the name is whole until the new one is.
 pub(super) fn write(path: &Path, part: &Part) -> Result<(), Failure> {
-    output::write_bytes(path, &part.to_bytes()).map_err(|e| Failure::write(format!("{}: {e}", path.display())))
+    output::write_bytes(path, &part.to_bytes())
+        .map_err(|e| Failure::write(format!("{}: {e}", path.display())))
 }
 
 /// A checkpoint: a part that grows, with the generation before it as FILE.old.
@@ -63,8 +64,10 @@ impl Checkpoint {
                     format!("{}: {e}; going on from {}", self.path.display(), self.former.display());
                 Ok(Some(Found { part: read(&self.former)?, warning: Some(warning) }))
             }
-            Err(e) => Err(Failure::load(format!("{}: {e}", self.path.display()))
-                .help("remove the file to begin anew")),
+            Err(e) => {
+                Err(Failure::load(format!("{}: {e}", self.path.display()))
+                    .help("remove the file to begin anew"))
+            }
         }
     }
 

@@ -11,17 +11,20 @@ use super::console::Console;
 use super::explain::{self, Record};
 use super::failure::Failure;
 use super::load::{self, Loaded};
-use super::machine::{Machine, RefusedJson, Report, Seconds, command_line, report_path};
+use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_line, report_path};
 use super::notes;
 use super::progress::{Display, Watch};
+use super::saver::{Saved, Saver};
 use super::schema::to_json;
 use super::signal::Stop;
-use super::units::show_time;
-use crate::film::{Image, Refusal};
+use super::stated::Stated;
+use super::units::{show_share, show_time};
+use crate::film::{ErrorEstimate, Film, Image, Refusal};
 use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
 use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tracer, rays_per_pixel};
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
+use crate::part::Identity;
 use crate::prepare::{self, EffectsMode, Plan, PrepareError};
 use crate::report::Explanation;
 use crate::scene::{Camera, Note, Scene, sha256};
@@ -66,8 +69,11 @@ fn check_flags(args: &RenderArgs, outputs: &[PathBuf]) -> Result<(), Failure> {
         Method::Report => ("report", true),
     };
     let others = args.method != Method::Default;
-    let without: [(&str, bool); 8] = [
+    let without: [(&str, bool); 11] = [
         ("--time", others && args.time.is_some()),
+        ("--error", others && args.error.is_some()),
+        ("--passes", others && args.passes.is_some()),
+        ("--checkpoint", others && args.checkpoint.is_some()),
         ("--aov", others && !args.aov.is_empty()),
         ("--transparent", others && args.transparent),
         ("--effects", others && EffectsMode::from(args.effects) != EffectsMode::Auto),
@@ -111,6 +117,11 @@ pub(super) struct Job {
     camera: String,
     /// Samples per pixel, at most.
     pub(super) passes: u32,
+    /// The first pass.
+    first: u32,
+    error: Option<f64>,
+    checkpoint: Option<PathBuf>,
+    checkpoint_every: Duration,
     time: Option<Duration>,
     threads: usize,
     crop: Option<[u32; 4]>,
@@ -127,9 +138,12 @@ pub(super) struct Job {
 /// What a method made.
 struct Rendered {
     image: Image,
-    passes: [u32; 2],
+    stated: Stated,
     plan: Plan,
-    partial: bool,
+    /// Passes that this run added.
+    added: u32,
+    /// Whether the error that was asked for is reached.
+    reached: bool,
     threads: usize,
     counters: Option<Counters>,
     refused: u64,
@@ -137,12 +151,14 @@ struct Rendered {
 }
 
 impl Rendered {
-    fn new(outcome: Outcome, plan: Plan) -> Self {
+    /// From a render whose film held the passes from `first` on before.
+    fn new(outcome: Outcome, first: u32, plan: Plan) -> Self {
         Self {
             image: outcome.film.to_image(),
-            passes: [outcome.passes.start, outcome.passes.end],
+            stated: Stated::of_outcome(&outcome, first),
             plan,
-            partial: outcome.partial,
+            added: outcome.passes.end - outcome.passes.start,
+            reached: outcome.reached,
             threads: outcome.threads,
             counters: Some(outcome.counters),
             refused: outcome.film.refused_total(),
@@ -169,6 +185,10 @@ impl Job {
             },
             camera: camera.name.clone(),
             passes: hints.spp.unwrap_or(64).clamp(1, MAX_SAMPLES),
+            first: 0,
+            error: None,
+            checkpoint: None,
+            checkpoint_every: Duration::from_secs(30),
             time: None,
             threads: 0,
             crop: None,
@@ -194,11 +214,17 @@ impl Job {
         job.prepare.transparent = args.transparent;
         job.prepare.algorithms = args.algorithms.meant();
         job.prepare.max_depth = args.max_depth.or(job.prepare.max_depth);
-        job.passes = match (args.spp, args.time) {
+        job.passes = match (args.spp, args.time.is_some() || args.error.is_some()) {
             (Some(spp), _) => spp,
-            (None, Some(_)) => MAX_SAMPLES,
-            (None, None) => job.passes,
+            (None, true) => MAX_SAMPLES,
+            (None, false) => job.passes,
         };
+        if let Some(passes) = &args.passes {
+            (job.first, job.passes) = (passes.start, passes.end);
+        }
+        job.error = args.error;
+        job.checkpoint.clone_from(&args.checkpoint);
+        job.checkpoint_every = args.checkpoint_every;
         job.time = args.time;
         job.threads = args.threads;
         job.crop = args.crop;
@@ -233,15 +259,15 @@ impl Job {
         }
         let watch = Watch { display: Display::new(self.progress, self.quiet, console), stop: Stop::listen() };
         let rendering = Instant::now();
+        let hash = sha256(&scene);
         let (mut rendered, prepare) = match self.method {
-            Method::Default => self.render(&scene, &watch, console)?,
+            Method::Default => self.render(&scene, &hash, &watch, console)?,
             Method::Reference => (self.render_reference(&scene, &watch)?, 0.0),
             Method::Report => (self.render_report(&scene, &watch, &mut notes, console)?, 0.0),
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
-        let hash = sha256(&scene);
-        rendered.image.attributes = self.attributes(&rendered, &hash)?;
+        rendered.image.attributes = rendered.stated.attributes(&self.identity(&rendered.plan, &hash)?);
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
         for path in &self.outputs {
@@ -260,13 +286,15 @@ impl Job {
             let names = self.outputs.iter().map(|p| p.display().to_string()).collect::<Vec<_>>();
             console.result(&names.join("\n"))?;
         }
-        Ok(stopped.unwrap_or(Code::Done))
+        let short = self.error.is_some() && !rendered.reached;
+        Ok(stopped.unwrap_or(if short { Code::Short } else { Code::Done }))
     }
 
     /// The default method; also the seconds that preparing took.
     fn render(
         &self,
         scene: &Scene,
+        hash: &str,
         watch: &Watch<'_>,
         console: &Console,
     ) -> Result<(Rendered, f64), Failure> {
@@ -285,19 +313,38 @@ impl Job {
             });
         }
         let seconds = begin.elapsed().as_secs_f64();
-        let options = RenderOptions {
-            passes: 0..self.passes,
+        let mut options = RenderOptions {
+            passes: self.first..self.passes,
             time: self.time,
+            error: self.error,
             threads: self.threads,
             crop: self.crop,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
         };
-        let outcome = integrate::render(&prepared, &options, watch).map_err(|e| match e {
+        let identity = self.identity(&prepared.plan, hash)?;
+        let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);
+        let mut film = Film::new(integrate::layout(&prepared, &options));
+        let mut saver = None;
+        if let Some(path) = &self.checkpoint {
+            let (mut opened, saved) = Saver::open(path, &identity, screen, &options.passes, console)?;
+            opened.every(self.checkpoint_every);
+            if let Some(part) = saved {
+                options.passes.start = part.passes.last().map_or(self.first, |r| r.end);
+                film = part.film;
+            }
+            saver = Some(opened);
+        }
+        let control = Saved { watch, saver: saver.as_ref() };
+        let outcome = integrate::render_onto(&prepared, film, &options, &control).map_err(|e| match e {
             RenderError::Crop { .. } => Failure::usage(format!("--crop: {e}")),
+            RenderError::Film => Failure::usage(format!("--checkpoint: {e}")),
             RenderError::NoPasses | RenderError::Threads { .. } => Failure::usage(e.to_string()),
         })?;
-        Ok((Rendered::new(outcome, prepared.plan.clone()), seconds))
+        if let Some(saver) = &saver {
+            saver.finish(&outcome)?;
+        }
+        Ok((Rendered::new(outcome, self.first, prepared.plan.clone()), seconds))
     }
 
     /// The report's method; what it renders otherwise is added to the notes.
@@ -336,7 +383,7 @@ impl Job {
         }
         notes.extend(tracer.notes().iter().cloned());
         let outcome = tracer.render(&options, watch).map_err(failure)?;
-        Ok(Rendered::new(outcome, prepare::analyse(scene, &scene.cameras[camera], &self.prepare)))
+        Ok(Rendered::new(outcome, 0, prepare::analyse(scene, &scene.cameras[camera], &self.prepare)))
     }
 
     fn camera_index(&self, scene: &Scene) -> usize {
@@ -367,6 +414,8 @@ impl Job {
                 rays: 0,
                 elapsed,
                 time: None,
+                error: None,
+                error_target: None,
             });
         };
         let image = reference(scene, &options, &|| watch.cancelled(), &progress).map_err(|e| match e {
@@ -377,9 +426,10 @@ impl Job {
         let partial = image.count.as_ref().is_some_and(|c| c.contains(&0));
         Ok(Rendered {
             image,
-            passes: [0, self.passes],
+            stated: Stated { passes: vec![0..self.passes], partial, error: None },
             plan: prepare::analyse(scene, &scene.cameras[index], &self.prepare),
-            partial,
+            added: self.passes,
+            reached: false,
             threads: self.threads,
             counters: None,
             refused: 0,
@@ -387,37 +437,33 @@ impl Job {
         })
     }
 
-    /// What the image files say of themselves: a function of scene, settings and passes only. The kernel
-    /// is not among it, since it never changes the picture.
-    fn attributes(&self, rendered: &Rendered, hash: &str) -> Result<Vec<(String, String)>, Failure> {
-        let effects = rendered.plan.needs.iter().map(|n| n.effect.name()).collect::<Vec<_>>().join(", ");
+    /// What the picture is of: all that samples depend on. The kernel is not among it, since it never changes the
+    /// picture.
+    fn identity(&self, plan: &Plan, hash: &str) -> Result<Identity, Failure> {
+        let effects = plan.needs.iter().map(|n| n.effect.name()).collect::<Vec<_>>().join(", ");
         let mut list = vec![
             ("software", software()),
             ("scene_sha256", hash.to_owned()),
             ("camera", self.camera.clone()),
             ("method", self.method_name().to_owned()),
             ("seed", self.prepare.seed.to_string()),
-            ("passes", format!("{}..{}", rendered.passes[0], rendered.passes[1])),
             ("max_depth", self.prepare.max_depth.map_or("none".to_owned(), |d| d.to_string())),
             ("effects", effects),
         ];
         if self.method == Method::Default {
-            list.push(("caustics", rendered.plan.caustics.name().to_owned()));
+            list.push(("caustics", plan.caustics.name().to_owned()));
         }
         if self.method != Method::Reference {
-            list.push(("replications", rendered.plan.replications.to_string()));
+            list.push(("replications", plan.replications.to_string()));
         }
         if self.method == Method::Report && self.slips != Slips::NONE {
             list.push(("slips", self.slips.names().join(", ")));
         }
-        if rendered.partial {
-            list.push(("partial", "some pixels have no samples".to_owned()));
-        }
         if self.method == Method::Default {
-            let Record { json, sha256 } = explain::record(&rendered.plan)?;
+            let Record { json, sha256 } = explain::record(plan)?;
             list.extend([("plan", json), ("plan_sha256", sha256)]);
         }
-        Ok(list.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+        Ok(Identity(list.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()))
     }
 
     fn method_name(&self) -> &'static str {
@@ -451,8 +497,9 @@ impl Job {
             camera: &self.camera,
             size: self.prepare.size,
             seed: self.prepare.seed,
-            passes: rendered.passes,
-            partial: rendered.partial,
+            passes: rendered.stated.passes.first().map_or([0, 0], |r| [r.start, r.end]),
+            partial: rendered.stated.partial,
+            error: rendered.stated.error.map(ErrorJson::from),
             stopped_by_signal,
             seconds,
             threads: rendered.threads,
@@ -481,17 +528,24 @@ impl Job {
     }
 
     fn summarise(&self, rendered: &Rendered, seconds: Seconds, stopped: Option<Code>, console: &Console) {
-        let samples = rendered.passes[1] - rendered.passes[0];
+        let samples = rendered.added;
+        let all: u32 = rendered.stated.passes.iter().map(|r| r.end - r.start).sum();
         let mut line = format!("{} per pixel in {}", many(samples, "sample"), show_time(seconds.render));
         if let Some(c) = rendered.counters {
             let mrays = c.rays as f64 / seconds.render.max(1e-9) / 1e6;
             line += &format!(", {mrays:.2} Mrays/s on {}", many(rendered.threads as u64, "thread"));
         }
         console.message(&line);
-        if rendered.partial {
+        if all != samples {
+            console.message(&format!("{} per pixel with those of the checkpoint", many(all, "sample")));
+        }
+        if let Some(error) = rendered.stated.error {
+            console.message(&self.error_line(error, rendered.reached));
+        }
+        if rendered.stated.partial {
             console.message("note: not one sample of every pixel is done; the picture is partial");
-        } else if samples != self.passes {
-            console.message(&format!("--spp {samples} repeats this picture"));
+        } else if self.first + all != self.passes {
+            console.message(&format!("--spp {all} repeats this picture"));
         }
         if stopped.is_some() {
             console.message("stopped by a signal; what was done is saved");
@@ -508,6 +562,24 @@ impl Job {
         if let Some(cut) = rendered.counters.map(|c| c.capped).filter(|&n| n > 0) {
             console.message(&format!("note: {} cut by the safety cap on length", many(cut, "path")));
         }
+    }
+}
+
+impl Job {
+    /// What the picture's error is, and whether it is what was asked for.
+    fn error_line(&self, found: ErrorEstimate, reached: bool) -> String {
+        let [low, high] = found.interval.map(show_share);
+        let mut line = format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error));
+        if !found.trusted {
+            line += &format!(
+                ", not trustworthy yet: {:.0} pixels carry it; more samples will tell",
+                found.effective_pixels
+            );
+        }
+        if let Some(target) = self.error.filter(|_| !reached) {
+            line += &format!("; {} was asked for", show_share(target));
+        }
+        line
     }
 }
 

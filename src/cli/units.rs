@@ -38,6 +38,34 @@ pub(super) fn time(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a time above zero, such as 500ms, 30s, 5min or 2h".into())
 }
 
+/// A share above zero and below one, in percent or as a number: `1%`, `0.01`.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let parsed = match text.strip_suffix('%') {
+        Some(percent) => percent.trim().parse::<f64>().ok().map(|p| p / 100.0),
+        None => text.parse().ok(),
+    };
+    parsed
+        .filter(|s| *s > 0.0 && *s < 1.0)
+        .ok_or_else(|| "expected a share between 0 and 100 %, such as 1% or 0.01".into())
+}
+
+/// `A..B`, half open.
+pub(super) fn passes(text: &str) -> Result<std::ops::Range<u32>, String> {
+    let range = text.split_once("..").and_then(|(a, b)| Some(number(a)?..number(b)?));
+    range
+        .filter(|r| r.start < r.end && r.end <= super::args::MAX_SAMPLES)
+        .ok_or_else(|| "expected A..B, the first pass and the one after the last, such as 0..64".into())
+}
+
+/// A share for people, in percent with three digits.
+pub(super) fn show_share(share: f64) -> String {
+    let percent = 100.0 * share;
+    let digits =
+        if percent <= 0.0 { 0 } else { (2.0 - libm::log10(percent).floor()).clamp(0.0, 6.0) as usize };
+    format!("{percent:.digits$} %")
+}
+
 /// Stops of exposure.
 pub(super) fn stops(text: &str) -> Result<f32, String> {
     let parsed = text.trim().parse::<f32>().ok().filter(|v| v.abs() <= 100.0);

@@ -142,6 +142,12 @@ impl Film {
         &self.layout
     }
 
+    /// Whether it holds no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.counts.iter().all(|&n| n == 0)
+    }
+
     /// Number of pixels.
     #[must_use]
     pub fn pixels(&self) -> usize {

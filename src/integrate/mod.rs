@@ -20,6 +20,7 @@ pub(crate) use direct::mis_weight;
 pub use kernels::{Kernel, LiFn, kernel};
 pub use li::{Counters, Layers};
 pub use render::{
-    BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, render, replay,
+    BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, layout, render,
+    render_onto, replay,
 };
 pub(crate) use roulette::survive;

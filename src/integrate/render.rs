@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 use super::kernels::{Kernel, kernel};
 use super::li::{Counters, first_surface};
 use super::photon::{Photon, PhotonMap, Splat, Tracer};
-use crate::film::{Features, Film, FilmLayout, LightLayer, Refusal, Sample};
+use crate::film::{ErrorEstimate, Features, Film, FilmLayout, LightLayer, Refusal, Sample};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
@@ -37,6 +37,9 @@ pub struct RenderOptions {
     pub passes: Range<u32>,
     /// Stops handing out work after this long.
     pub time: Option<Duration>,
+    /// Stops once the estimate of the error ([`Film::error`]) is at most this, relative, and can be trusted. It
+    /// is looked at after fixed numbers of passes, so that the same number of them is rendered everywhere.
+    pub error: Option<f64>,
     /// Threads; 0 is one for each core.
     pub threads: usize,
     /// Left, top, width and height of the part to render, pixels of the whole picture.
@@ -52,7 +55,7 @@ impl RenderOptions {
     /// Some passes of the whole picture on all cores, and nothing else.
     #[must_use]
     pub fn passes(passes: Range<u32>) -> Self {
-        Self { passes, time: None, threads: 0, crop: None, features: false, layers: false }
+        Self { passes, time: None, error: None, threads: 0, crop: None, features: false, layers: false }
     }
 }
 
@@ -71,16 +74,28 @@ pub struct Progress {
     pub elapsed: Duration,
     /// Time that was asked for.
     pub time: Option<Duration>,
+    /// The last estimate of the error, and the passes that it is of, where an error was asked for.
+    pub error: Option<(ErrorEstimate, u32)>,
+    /// Error that was asked for.
+    pub error_target: Option<f64>,
 }
 
 impl Progress {
-    /// Share of the target that is reached, [0, 1]: of the samples or of the time, whichever is nearer
-    /// to its end.
+    /// Share of the target that is reached, [0, 1]: of the samples, of the time, or of what the error takes (its
+    /// square falls with the number of samples), whichever is nearer to its end.
     #[must_use]
     pub fn share(&self) -> f64 {
         let samples = self.samples as f64 / self.samples_total.max(1) as f64;
         let time = self.time.map_or(0.0, |t| self.elapsed.as_secs_f64() / t.as_secs_f64().max(1e-9));
-        samples.max(time).min(1.0)
+        let error = match (self.error, self.error_target) {
+            (Some((found, passes)), Some(target)) if found.error > 0.0 && passes > 0 => {
+                let needed = f64::from(passes) * (found.error / target) * (found.error / target);
+                // Where the target is met and the estimate not trusted, nobody knows.
+                (f64::from(self.passes) / needed).min(0.99)
+            }
+            _ => 0.0,
+        };
+        samples.max(time).max(error).min(1.0)
     }
 }
 
@@ -88,6 +103,9 @@ impl Progress {
 pub trait Control: Sync {
     /// Called now and then.
     fn progress(&self, _progress: &Progress) {}
+    /// Called with the film each time that a whole pass has been added, in order: the passes that this render has
+    /// added so far, and what it took. Work waits meanwhile.
+    fn committed(&self, _film: &Film, _passes: Range<u32>, _counters: Counters) {}
     /// Asked often; true ends the render soon.
     fn cancelled(&self) -> bool {
         false
@@ -122,6 +140,8 @@ pub struct Outcome {
     pub partial: bool,
     /// True where it ended because someone asked.
     pub cancelled: bool,
+    /// True where it ended because the error that was asked for was reached.
+    pub reached: bool,
     /// Rays, and paths that were cut.
     pub counters: Counters,
     /// Some of the samples that were refused; the film counts all.
@@ -146,6 +166,9 @@ pub enum RenderError {
     /// There is nothing to do.
     #[error("no samples were asked for")]
     NoPasses,
+    /// The film that was to be added to is that of another render.
+    #[error("the film has another size or format than this render")]
+    Film,
     /// The threads could not be started.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {
@@ -310,6 +333,8 @@ struct Job<'a> {
     begin: Instant,
     next: AtomicU64,
     stop: AtomicBool,
+    /// Whether the film held something at the start.
+    resumes: bool,
     cancelled: AtomicBool,
     pending: Mutex<BTreeMap<u32, Pending>>,
     /// The maps of passes on their way.
@@ -324,7 +349,13 @@ struct Job<'a> {
 
 struct FilmState {
     film: Film,
+    /// Passes that are complete and wait for an earlier one.
+    ready: BTreeMap<u32, Pending>,
     passes_done: u32,
+    /// The last estimate of the error, and the passes that it is of.
+    error: Option<(ErrorEstimate, u32)>,
+    /// Whether the error that was asked for is reached: nothing is added any more.
+    reached: bool,
     bad: Vec<BadSample>,
 }
 
@@ -338,8 +369,14 @@ pub fn render(
     options: &RenderOptions,
     control: &dyn Control,
 ) -> Result<Outcome, RenderError> {
+    render_onto(scene, Film::new(layout(scene, options)), options, control)
+}
+
+/// What a render of a scene accumulates.
+#[must_use]
+pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
     let [width, height] = scene.size;
-    let layout = FilmLayout {
+    FilmLayout {
         crop: options.crop.unwrap_or([0, 0, width, height]),
         full_size: scene.size,
         replications: scene.plan.replications,
@@ -348,26 +385,45 @@ pub fn render(
         features: options.features,
         layers: options.layers,
         transparent: scene.transparent,
-    };
-    let features = options.features || scene.transparent;
-    let (layers, tracer) = (options.layers, Tracer::new(scene, layout.crop));
-    drive(&Planned { scene, kernel: kernel(&scene.plan), tracer, features, layers }, layout, options, control)
+    }
 }
 
-/// Renders what `source` makes into a film of the given layout, as [`render`] does.
-pub(super) fn drive(
-    source: &dyn Source,
-    layout: FilmLayout,
+/// The same onto a film that holds other passes of the same render, all of those before the first one where an
+/// error is asked for.
+///
+/// # Errors
+/// As [`render`], and where the film has another [`layout`].
+pub fn render_onto(
+    scene: &Prepared,
+    film: Film,
     options: &RenderOptions,
     control: &dyn Control,
 ) -> Result<Outcome, RenderError> {
-    let ([width, height], crop) = (layout.full_size, layout.crop);
+    let layout = layout(scene, options);
+    if *film.layout() != layout {
+        return Err(RenderError::Film);
+    }
+    let features = options.features || scene.transparent;
+    let (layers, tracer) = (options.layers, Tracer::new(scene, layout.crop));
+    let source = Planned { scene, kernel: kernel(&scene.plan), tracer, features, layers };
+    drive(&source, film, options, control)
+}
+
+/// Renders what `source` makes onto a film, as [`render_onto`] does.
+pub(super) fn drive(
+    source: &dyn Source,
+    film: Film,
+    options: &RenderOptions,
+    control: &dyn Control,
+) -> Result<Outcome, RenderError> {
+    let ([width, height], crop) = (film.layout().full_size, film.layout().crop);
     let inside =
         |at: u32, extent: u32, size: u32| extent > 0 && u64::from(at) + u64::from(extent) <= u64::from(size);
     if !inside(crop[0], crop[2], width) || !inside(crop[1], crop[3], height) {
-        return Err(RenderError::Crop { crop, size: layout.full_size });
+        return Err(RenderError::Crop { crop, size: [width, height] });
     }
-    if options.passes.is_empty() {
+    let resumes = !film.is_empty();
+    if options.passes.is_empty() && !resumes {
         return Err(RenderError::NoPasses);
     }
     let pool = rayon::ThreadPoolBuilder::new()
@@ -375,7 +431,10 @@ pub(super) fn drive(
         .build()
         .map_err(|e| RenderError::Threads { threads: options.threads, reason: e.to_string() })?;
     let threads = pool.current_num_threads();
-    let film = Film::new(layout);
+    // Whoever goes on with a finished render finds it finished.
+    let done = options.passes.start;
+    let error = film.error().filter(|_| options.error.is_some() && resumes && is_looked_at(done));
+    let reached = error.is_some_and(|e| e.trusted && options.error.is_some_and(|target| e.error <= target));
     let job = Job {
         source,
         options,
@@ -384,12 +443,20 @@ pub(super) fn drive(
         tiles: [crop[2].div_ceil(TILE), crop[3].div_ceil(TILE)],
         begin: Instant::now(),
         next: AtomicU64::new(0),
-        stop: AtomicBool::new(false),
+        stop: AtomicBool::new(reached),
+        resumes,
         cancelled: AtomicBool::new(false),
         pending: Mutex::new(BTreeMap::new()),
         maps: Mutex::new(BTreeMap::new()),
         mapped: Condvar::new(),
-        film: Mutex::new(FilmState { film, passes_done: 0, bad: Vec::new() }),
+        film: Mutex::new(FilmState {
+            film,
+            ready: BTreeMap::new(),
+            passes_done: 0,
+            error: error.map(|e| (e, done)),
+            reached,
+            bad: Vec::new(),
+        }),
         samples: AtomicU64::new(0),
         rays: AtomicU64::new(0),
         capped: AtomicU64::new(0),
@@ -397,6 +464,13 @@ pub(super) fn drive(
     };
     pool.broadcast(|_| job.work());
     Ok(job.finish(threads))
+}
+
+/// Whether the error is looked at after so many passes: four times in each octave, where all replications have
+/// the same number of them.
+fn is_looked_at(passes: u32) -> bool {
+    let octave = if passes == 0 { 0 } else { 1 << passes.ilog2() };
+    passes >= 8 && passes.is_multiple_of((octave / 4).max(4))
 }
 
 impl Job<'_> {
@@ -505,9 +579,36 @@ impl Job<'_> {
         if let Some(complete) = complete {
             lock(&self.maps).remove(&pass);
             let mut state = lock(&self.film);
-            self.commit(&mut state, pass, &complete);
-            state.passes_done += 1;
+            state.ready.insert(pass, complete);
+            self.add_passes(&mut state);
         }
+    }
+
+    /// Adds what is ready to the film, in the order of passes, until the error is reached that was asked for.
+    fn add_passes(&self, state: &mut FilmState) {
+        let start = self.options.passes.start;
+        while !state.reached
+            && let Some(next) = state.ready.remove(&(start + state.passes_done))
+        {
+            self.commit(state, start + state.passes_done, &next);
+            state.passes_done += 1;
+            let done = start + state.passes_done;
+            self.control.committed(&state.film, start..done, self.counters());
+            let Some(target) = self.options.error else { continue };
+            if is_looked_at(done)
+                && let Some(found) = state.film.error()
+            {
+                state.error = Some((found, done));
+                state.reached = found.trusted && found.error <= target;
+            }
+        }
+        if state.reached {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn counters(&self) -> Counters {
+        Counters { rays: self.rays.load(Ordering::Relaxed), capped: self.capped.load(Ordering::Relaxed) }
     }
 
     fn commit(&self, state: &mut FilmState, pass: u32, pending: &Pending) {
@@ -559,13 +660,19 @@ impl Job<'_> {
 
     fn progress(&self, elapsed: Duration) -> Progress {
         let pixels = u64::from(self.crop[2]) * u64::from(self.crop[3]);
+        let (passes, error) = {
+            let state = lock(&self.film);
+            (state.passes_done, state.error)
+        };
         Progress {
             samples: self.samples.load(Ordering::Relaxed),
             samples_total: pixels * u64::from(self.options.passes.end - self.options.passes.start),
-            passes: lock(&self.film).passes_done,
+            passes,
             rays: self.rays.load(Ordering::Relaxed),
             elapsed,
             time: self.options.time,
+            error,
+            error_target: self.options.error,
         }
     }
 
@@ -577,20 +684,20 @@ impl Job<'_> {
         let pending = std::mem::take(&mut *lock(&self.pending));
         if let Some((&pass, first)) = pending.iter().next() {
             let mut state = lock(&self.film);
-            if state.passes_done == 0 {
+            if state.passes_done == 0 && !self.resumes {
                 self.commit(&mut state, pass, first);
             }
         }
         let start = self.options.passes.start;
-        let counters =
-            Counters { rays: self.rays.load(Ordering::Relaxed), capped: self.capped.load(Ordering::Relaxed) };
+        let counters = self.counters();
         let cancelled = self.cancelled.load(Ordering::Relaxed);
         let state = self.film.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         Outcome {
             film: state.film,
             passes: start..start + state.passes_done,
-            partial: state.passes_done == 0,
+            partial: state.passes_done == 0 && !self.resumes,
             cancelled,
+            reached: state.reached,
             counters,
             bad: state.bad,
             elapsed,

@@ -29,7 +29,7 @@ use super::photon::PhotonMap;
 use super::render::{Control, Outcome, RenderError, RenderOptions, Source, drive};
 use crate::bsdf::fresnel;
 use crate::color::Rgb;
-use crate::film::{FilmLayout, FixedPoint, Sample};
+use crate::film::{Film, FilmLayout, FixedPoint, Sample};
 use crate::math::{Frame, PI, pow, pow5, safe_sqrt, sin_cos_turn, sqr};
 use crate::prepare::{self, CameraRays};
 use crate::sampling::warp::square_to_disk;
@@ -651,13 +651,10 @@ impl Tracer {
             transparent: false,
         };
         let passes = RenderOptions {
-            passes: 0..self.rays,
-            time: None,
             threads: options.threads,
             crop: options.crop,
-            features: false,
-            layers: false,
+            ..RenderOptions::passes(0..self.rays)
         };
-        Ok(drive(self, layout, &passes, control)?)
+        Ok(drive(self, Film::new(layout), &passes, control)?)
     }
 }

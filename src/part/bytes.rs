@@ -25,6 +25,8 @@ struct Header {
 #[derive(Serialize, Deserialize)]
 struct Body {
     identity: Identity,
+    tone: String,
+    exposure: f32,
     passes: Vec<Range<u32>>,
     rays: u64,
     capped: u64,
@@ -46,6 +48,8 @@ impl Part {
         let layout = self.film.layout();
         let body = Body {
             identity: self.identity.clone(),
+            tone: self.screen.0.clone(),
+            exposure: self.screen.1,
             passes: self.passes.clone(),
             rays: self.rays,
             capped: self.capped,
@@ -106,7 +110,8 @@ impl Part {
         }
         let film = Film::from_bytes(layout, film)?;
         let passes = join(body.passes)?;
-        Ok(Self { identity: body.identity, passes, film, rays: body.rays, capped: body.capped })
+        let screen = (body.tone, body.exposure);
+        Ok(Self { identity: body.identity, screen, passes, film, rays: body.rays, capped: body.capped })
     }
 }
 

@@ -6,30 +6,24 @@
 
 mod bytes;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
 use crate::film::{Film, StateError};
 
-/// What a part is a part of.
+/// What a part is a part of: everything that samples depend on, by name, as an image file says it of itself
+/// (hash of the scene, camera, seed, plan ..), in its order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Identity {
-    /// SHA-256 of the scene, hexadecimal.
-    pub scene: String,
-    /// Every setting that samples depend on, by name, as people would write it.
-    pub settings: BTreeMap<String, String>,
-    /// What the plan says.
-    pub plan: String,
-}
+pub struct Identity(pub Vec<(String, String)>);
 
 /// Some passes of a render.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// What of.
     pub identity: Identity,
+    /// How pictures for a screen are made of it, where nothing else is asked for: tone curve, and exposure in stops.
+    pub screen: (String, f32),
     /// The passes that the film holds whole: half open, in order, with something between them.
     pub passes: Vec<Range<u32>>,
     /// Their sums.
@@ -84,27 +78,25 @@ impl Identity {
     /// # Errors
     /// What differs, and how.
     pub fn check(&self, other: &Self) -> Result<(), PartError> {
-        let differ = |what: &str, own: &str, other: &str| {
-            Err(PartError::Mixed { what: what.to_owned(), own: own.to_owned(), other: other.to_owned() })
-        };
-        if self.scene != other.scene {
-            let short = |hash: &str| hash.get(..12).unwrap_or(hash).to_owned();
-            return differ("the scene", &short(&self.scene), &short(&other.scene));
-        }
-        let names: std::collections::BTreeSet<&String> =
-            self.settings.keys().chain(other.settings.keys()).collect();
+        let value = |of: &Self, name: &str| of.0.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
+        let names = self.0.iter().chain(&other.0).map(|(name, _)| name);
         for name in names {
-            let value = |i: &Self| i.settings.get(name).map_or("not given", String::as_str).to_owned();
-            if value(self) != value(other) {
-                return differ(name, &value(self), &value(other));
+            let (own, other) = (value(self, name), value(other, name));
+            if own != other {
+                let said = |v: Option<String>| v.map_or_else(|| "not given".to_owned(), |v| first(&v));
+                return Err(PartError::Mixed { what: name.clone(), own: said(own), other: said(other) });
             }
         }
-        if self.plan == other.plan {
-            return Ok(());
-        }
-        let line = self.plan.lines().zip(other.plan.lines()).find(|(a, b)| a != b);
-        let (own, other) = line.unwrap_or(("shorter or longer", "longer or shorter"));
-        differ("the plan", own.trim(), other.trim())
+        Ok(())
+    }
+}
+
+/// The beginning of a text, for messages.
+fn first(text: &str) -> String {
+    const MOST: usize = 24;
+    match text.char_indices().nth(MOST) {
+        Some((at, _)) => format!("{} ..", &text[..at]),
+        None => text.to_owned(),
     }
 }
 
@@ -178,13 +170,11 @@ mod tests {
                 film.add(pixel, pass, &Sample { radiance, ..Sample::default() }).expect("a radiance");
             }
         }
-        let identity = Identity {
-            scene: "0123456789abcdef".into(),
-            settings: [("seed".to_owned(), "1".to_owned())].into(),
-            plan: "kernel matte".into(),
-        };
+        let identity = [("scene_sha256", "0123"), ("seed", "1")]
+            .map(|(name, value)| (name.to_owned(), value.to_owned()));
+        let identity = Identity(identity.into());
         let rays = u64::from(passes.end - passes.start);
-        Part { identity, passes: vec![passes], film, rays, capped: 0 }
+        Part { identity, screen: ("srgb".into(), 0.0), passes: vec![passes], film, rays, capped: 0 }
     }
 
     /// Guards that parts in any order are the whole, and that gaps are known.
@@ -209,17 +199,15 @@ mod tests {
         };
         assert_eq!(refuse(part(6..9)), "passes 6..8 are there twice");
         let mut seed = part(8..9);
-        seed.identity.settings.insert("seed".into(), "2".into());
+        seed.identity.0[1].1 = "2".into();
         assert_eq!(refuse(seed), "they are parts of different renders: seed is 1 in one and 2 in the other");
-        let mut scene = part(8..9);
-        scene.identity.scene = "fedcba9876543210".into();
+        let mut capped = part(8..9);
+        capped.identity.0.push(("max_depth".into(), "a text that is longer than what is shown of it".into()));
         assert_eq!(
-            refuse(scene),
-            "they are parts of different renders: the scene is 0123456789ab in one and fedcba987654 in the other"
+            refuse(capped),
+            "they are parts of different renders: max_depth is not given in one and a text that is longer th .. in \
+             the other"
         );
-        let mut plan = part(8..9);
-        plan.identity.plan = "kernel report".into();
-        assert!(refuse(plan).contains("the plan is kernel matte in one and kernel report in the other"));
     }
 
     /// Guards that a file that was cut short at any byte, or changed at any, is refused.

@@ -45,7 +45,7 @@ pub(crate) fn prepared(scene: &Scene, effects: EffectsMode) -> Prepared {
 }
 
 pub(crate) fn passes() -> RenderOptions {
-    RenderOptions { passes: 0..8, time: None, threads: 1, crop: None, features: true, layers: false }
+    RenderOptions { threads: 1, features: true, ..RenderOptions::passes(0..8) }
 }
 
 /// The picture; no sample may be refused.

@@ -14,6 +14,7 @@ mod golden;
 mod help;
 mod hostile;
 mod mistakes;
+mod parts;
 mod pruning;
 mod render;
 mod roundtrip;

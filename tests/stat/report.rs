@@ -45,14 +45,7 @@ const GLASS: [f64; 4] = [0.2, 0.53, 0.8, 0.76];
 
 fn by_default(scene: &Scene, size: u32, samples: u32, max_depth: Option<u32>) -> Image {
     let prepared = prepare(scene, &options([size; 2], seed("default"), max_depth)).expect("a camera");
-    let passes = RenderOptions {
-        passes: 0..samples,
-        time: None,
-        threads: 0,
-        crop: None,
-        features: false,
-        layers: false,
-    };
+    let passes = RenderOptions::passes(0..samples);
     render(&prepared, &passes, &Quiet).expect("passes").film.to_image()
 }
 

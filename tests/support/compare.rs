@@ -69,14 +69,7 @@ impl Pair<'_> {
     pub(crate) fn compare(&self) -> Result<String, String> {
         let own = seed(self.name);
         let prepared = prepare(self.scene, &options(self.size, own, Some(self.max_depth))).expect("a camera");
-        let passes = RenderOptions {
-            passes: 0..self.samples[0],
-            time: None,
-            threads: 1,
-            crop: None,
-            features: false,
-            layers: false,
-        };
+        let passes = RenderOptions { threads: 1, ..RenderOptions::passes(0..self.samples[0]) };
         let outcome = render(&prepared, &passes, &Quiet).expect("passes");
         let slow = ReferenceOptions {
             camera: 0,

@@ -59,3 +59,17 @@ vocabulary! {
     Channel { "r" = R, "g" = G, "b" = B, "a" = A }
     ToneCurve { "srgb" = Srgb, "agx" = Agx, "neutral" = Neutral, "sqrt" = Sqrt, "linear" = Linear }
 }
+
+impl ToneCurve {
+    /// Its word in a scene file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.word()
+    }
+
+    /// The one of a name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::WORDS.iter().find(|(word, _)| *word == name).map(|&(_, curve)| curve)
+    }
+}
