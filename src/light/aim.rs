@@ -214,7 +214,7 @@ impl Aim {
     /// A unit direction from `p` to a target, with its density per solid angle. `n` is the normal of the
     /// surface that `p` lies on: directions below it are `None`. `u[0]` chooses the target.
     #[must_use]
-    pub fn from_point(&self, p: Vec3, n: Option<Vec3>, u: [f32; 3]) -> Option<(Vec3, f32)> {
+    pub fn direction(&self, p: Vec3, n: Option<Vec3>, u: [f32; 3]) -> Option<(Vec3, f32)> {
         let mut views = [(View::Flat, 0.0f32); MOST_TARGETS];
         let mut total = 0.0;
         for (slot, t) in views.iter_mut().zip(&self.targets) {
@@ -363,7 +363,7 @@ mod tests {
                 let (mut found, mut solid) = (0.0, 0.0);
                 for i in 0..n {
                     let u = uniform(i);
-                    if let Some((w, pdf)) = aim.from_point(Vec3::ZERO, normal, u) {
+                    if let Some((w, pdf)) = aim.direction(Vec3::ZERO, normal, u) {
                         assert!(above(w) && (w.length() - 1.0).abs() < 1e-5);
                         found += 1.0 / f64::from(pdf) / n as f64;
                     }

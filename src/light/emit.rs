@@ -67,7 +67,7 @@ impl PhotonLights {
         let area =
             |s: SurfaceSample, area: f64, radiance, both: bool, spot: Option<&Spot>, ids: PrimitiveId| {
                 let chance = f64::from(pmf) / area;
-                self.from_surface(s, radiance, chance, both.then_some(v[3]), spot, ids, aim)
+                self.leaving_surface(s, radiance, chance, both.then_some(v[3]), spot, ids, aim)
             };
         let none = PrimitiveId::NONE;
         match &lights.emitters()[i] {
@@ -91,32 +91,32 @@ impl PhotonLights {
                 area(s, shape.area(), *radiance, *both_sides, spot.as_ref(), from)
             }
             Emitter::Point { position, intensity, spot } => {
-                let (w, pdf) = self.aim.from_point(*position, None, aim)?;
+                let (w, pdf) = self.aim.direction(*position, None, aim)?;
                 let factor = spot.as_ref().map_or(1.0, |s| s.factor(w));
                 let power = *intensity * (factor / (pdf * pmf));
                 lit(Emission { ray: Ray::new(*position, w), from: none, power, p: *position, cos: 1.0 })
             }
             Emitter::Sun { towards, irradiance, one_minus_cos, .. } => {
                 if *one_minus_cos == 0.0 {
-                    return self.from_afar(*towards, *irradiance / pmf, aim);
+                    return self.arriving(*towards, *irradiance / pmf, aim);
                 }
                 let w = Frame::from_z(*towards).to_world(square_to_cone(uv, *one_minus_cos)).normalize();
                 let radiance = sun_radiance(*irradiance, *one_minus_cos);
-                self.from_afar(w, radiance / (square_to_cone_pdf(*one_minus_cos) * pmf), aim)
+                self.arriving(w, radiance / (square_to_cone_pdf(*one_minus_cos) * pmf), aim)
             }
             Emitter::Environment { radiance, .. } => {
-                self.from_afar(square_to_sphere(uv), *radiance / (SQUARE_TO_SPHERE_PDF * pmf), aim)
+                self.arriving(square_to_sphere(uv), *radiance / (SQUARE_TO_SPHERE_PDF * pmf), aim)
             }
             Emitter::Panorama { map, .. } => {
                 let w = map.sample(uv)?;
-                self.from_afar(w, map.radiance(w) / (map.pdf(w) * pmf), aim)
+                self.arriving(w, map.radiance(w) / (map.pdf(w) * pmf), aim)
             }
         }
     }
 
     /// From the point `s` of a surface that was chosen with a density of `chance` per area; `side` is a
     /// uniform number that chooses one where both emit.
-    fn from_surface(
+    fn leaving_surface(
         &self,
         s: SurfaceSample,
         radiance: Rgb,
@@ -130,7 +130,7 @@ impl PhotonLights {
             Some(u) => (if u < 0.5 { s.n } else { -s.n }, 2.0),
             None => (s.n, 1.0),
         };
-        let (w, pdf) = self.aim.from_point(s.p, Some(n), aim)?;
+        let (w, pdf) = self.aim.direction(s.p, Some(n), aim)?;
         let cos = w.dot(n).min(1.0);
         let factor = spot.map_or(1.0, |spot| spot.factor(w)) * cos;
         let scale = f64::from(factor) * sides / (chance * f64::from(pdf));
@@ -140,7 +140,7 @@ impl PhotonLights {
     }
 
     /// From the direction `towards`; `radiance` is over the density per solid angle.
-    fn from_afar(&self, towards: Vec3, radiance: Rgb, aim: [f32; 3]) -> Option<Emission> {
+    fn arriving(&self, towards: Vec3, radiance: Rgb, aim: [f32; 3]) -> Option<Emission> {
         let (p, pdf) = self.aim.across(towards, aim)?;
         let o = p + towards * self.reach;
         let power = radiance * (1.0 / pdf) as f32;

@@ -83,7 +83,8 @@ fn round_and_distant_lights_through_glass() {
 fn panoramas_through_glass() {
     let scenes = features::panoramas().into_iter().filter(|(name, _)| !name.contains("mirror"));
     let glass_ball = |(name, scene)| (name, with_ball(scene, glass(1.5)));
-    check_all(scenes.map(glass_ball).collect(), [96, 512], |_| 0.35);
+    let bound = |name: &str| if name.contains("sun") { 0.6 } else { 0.35 };
+    check_all(scenes.map(glass_ball).collect(), [128, 512], bound);
 }
 
 /// Guards what every material without roughness does to photons: tints, absorption, sheets, metals, mixtures.
@@ -95,12 +96,14 @@ fn materials_throw_light() {
         smooth && !name.contains("dark metal") || plain.contains(&name)
     };
     let scenes = features::materials().into_iter().filter(|(name, _)| throws(name));
-    check_all(scenes.collect(), [96, 256], weak);
+    let (thin, others): (Vec<_>, Vec<_>) = scenes.partition(|(name, _)| is_thin(name));
+    check_all(others, [96, 256], |_| 0.35);
+    check_all(thin, [640, 512], |_| 0.5);
 }
 
-/// Thin reflections throw little light, and few photons.
-fn weak(name: &str) -> f64 {
-    if ["plastic", "layer", "coat over"].iter().any(|n| name.contains(n)) { 0.6 } else { 0.35 }
+/// Reflections by thin layers throw little light, and few photons.
+fn is_thin(name: &str) -> bool {
+    ["plastic", "layer"].iter().any(|n| name.contains(n))
 }
 
 /// Guards coats: what a layer takes from light that is refracted below it, either way.
@@ -119,7 +122,7 @@ fn coats_throw_light() {
         "strong coat over smooth glass".to_owned(),
         with_ball(features::layers().remove(0).1, coated),
     ));
-    check_all(scenes, [192, 512], weak);
+    check_all(scenes, [192, 512], |_| 0.6);
 }
 
 /// Guards shapes and cameras: instances, interpolated normals that bend light, hidden objects, lens and
@@ -134,7 +137,7 @@ fn shapes_and_cameras() {
         None => None,
         Some(kind) => Some((name, with_ball(scene, kind))),
     });
-    check_all(scenes.collect(), [96, 512], |_| 0.35);
+    check_all(scenes.collect(), [192, 384], |name| if name.contains("instances") { 0.6 } else { 0.35 });
 }
 
 /// Guards lamps inside of glass, from where everything is in the direction of the target, absorption on the
@@ -173,7 +176,7 @@ fn everything_at_once() {
         LightKind::Area { .. } => false,
     };
     scene.lights.retain(|l| !delta(&l.kind));
-    check_all(vec![("everything".to_owned(), scene)], [384, 512], |_| 0.35);
+    check_all(vec![("everything".to_owned(), scene)], [512, 512], |_| 0.4);
 }
 
 fn photons(unbiased: bool) -> Algorithms {
