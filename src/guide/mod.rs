@@ -33,6 +33,9 @@ pub mod plan {}
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
+#[doc = include_str!("long-renders.md")]
+pub mod long_renders {}
+
 #[doc = include_str!("report.md")]
 pub mod report {}
 
@@ -42,7 +45,7 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 11] = [
+    const PAGES: [(&str, &str); 12] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
@@ -52,6 +55,7 @@ mod tests {
         ("hard-cases.md", include_str!("hard-cases.md")),
         ("plan.md", include_str!("plan.md")),
         ("numbers.md", include_str!("numbers.md")),
+        ("long-renders.md", include_str!("long-renders.md")),
         ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),
     ];
