@@ -207,9 +207,12 @@ pub(super) fn compile(kind: MaterialKind) -> Option<Bsdf> {
 
 /// The same of many, which share their tables.
 pub(super) fn compile_all(kinds: Vec<MaterialKind>) -> Option<Vec<Bsdf>> {
-    let named = |(i, kind)| Material { name: format!("material {i}"), kind };
-    let materials = kinds.into_iter().enumerate().map(named).collect();
-    let shooter = Shooter::new("", &Scene { materials, ..Scene::default() }, None)?;
+    let mut scene = Scene::default();
+    // A material on no surface is not compiled.
+    for kind in kinds {
+        scene.sphere(DVec3::ZERO, 1.0, kind);
+    }
+    let shooter = Shooter::new("", &scene, None)?;
     Some(shooter.prepared.materials.iter().map(|m| m.bsdf.clone()).collect())
 }
 

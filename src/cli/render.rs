@@ -569,13 +569,14 @@ impl Job {
     /// What the picture's error is, and whether it is what was asked for.
     fn error_line(&self, found: ErrorEstimate, reached: bool) -> String {
         let [low, high] = found.interval.map(show_share);
-        let mut line = format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error));
-        if !found.trusted {
-            line += &format!(
-                ", not trustworthy yet: {:.0} pixels carry it; more samples will tell",
-                found.effective_pixels
-            );
-        }
+        let mut line = if found.trusted {
+            format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error))
+        } else if found.error > ErrorEstimate::NOISIEST {
+            format!("error above {}: too noisy to say", show_share(ErrorEstimate::NOISIEST))
+        } else {
+            let carry = found.effective_pixels;
+            format!("error {}, not trustworthy yet: {carry:.0} pixels carry it", show_share(found.error))
+        };
         if let Some(target) = self.error.filter(|_| !reached) {
             line += &format!("; {} was asked for", show_share(target));
         }

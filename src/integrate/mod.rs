@@ -6,6 +6,7 @@
 //! the method of the student report that the project began with.
 
 mod direct;
+mod drive;
 mod kernels;
 mod li;
 pub mod naive;

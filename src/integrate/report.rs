@@ -24,9 +24,10 @@ mod tests;
 use glam::Vec3;
 use rand::RngExt as _;
 
+use super::drive::{Source, drive};
 use super::li::Counters;
 use super::photon::PhotonMap;
-use super::render::{Control, Outcome, RenderError, RenderOptions, Source, drive};
+use super::render::{Control, Outcome, RenderError, RenderOptions};
 use crate::bsdf::fresnel;
 use crate::color::Rgb;
 use crate::film::{Film, FilmLayout, FixedPoint, Sample};

@@ -4,21 +4,22 @@ use std::f64::consts::{PI, TAU};
 
 use epsilux::bsdf::{Bsdf, Transport};
 use epsilux::color::Rgb;
-use epsilux::glam::Vec3;
+use epsilux::glam::{DVec3, Vec3};
 use epsilux::prepare::prepare;
 use epsilux::sampling::{Address, Purpose};
-use epsilux::scene::{Material, MaterialKind, Principled, Scene};
+use epsilux::scene::{MaterialKind, Principled, Scene};
 use epsilux::stats::{Moments, sidak};
 
 use crate::support::fast::{options, valid};
-use crate::support::scenes::{diffuse, principled};
+use crate::support::scenes::{Build, diffuse, principled};
 use crate::support::seed::seed;
 
 /// The compiled form of a material.
 fn compile(kind: MaterialKind) -> Bsdf {
-    let materials = vec![Material { name: "the one".into(), kind }];
-    let scene = valid(&Scene { materials, ..Scene::default() });
-    let prepared = prepare(&scene, &options([1, 1], 0, None)).expect("a scene");
+    // A material on no surface is not compiled.
+    let mut scene = Scene::default();
+    scene.sphere(DVec3::ZERO, 1.0, kind);
+    let prepared = prepare(&valid(&scene), &options([1, 1], 0, None)).expect("a scene");
     prepared.materials[0].bsdf.clone()
 }
 

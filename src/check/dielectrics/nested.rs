@@ -51,9 +51,10 @@ struct Passes<'a> {
 
 impl Passes<'_> {
     fn agrees(&self, degrees: f64, expected: f64, effort: Effort) -> Vec<Figure> {
-        let stage = Stage::new(layers(self.slabs, self.side, self.turned), self.what);
+        let ray = down(degrees, self.turned);
+        let stage = Stage::seen_from(ray[0], layers(self.slabs, self.side, self.turned), self.what);
         let what = format!("{} at {degrees} degrees", self.what);
-        stage.agrees(&what, down(degrees, self.turned), (expected, 3e-3), (effort, 1 << 13))
+        stage.agrees(&what, ray, (expected, 3e-3), (effort, 1 << 13))
     }
 }
 
