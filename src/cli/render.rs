@@ -426,7 +426,7 @@ impl Job {
         let partial = image.count.as_ref().is_some_and(|c| c.contains(&0));
         Ok(Rendered {
             image,
-            stated: Stated { passes: vec![0..self.passes], partial, error: None },
+            stated: Stated { passes: std::iter::once(0..self.passes).collect(), partial, error: None },
             plan: prepare::analyse(scene, &scene.cameras[index], &self.prepare),
             added: self.passes,
             reached: false,

@@ -75,7 +75,7 @@ impl<'a> Saver<'a> {
         self.checkpoint.write(&Part {
             identity: self.identity.clone(),
             screen: self.screen.clone(),
-            passes: vec![self.first..end],
+            passes: std::iter::once(self.first..end).collect(),
             film: film.clone(),
             rays: self.before.rays + counters.rays,
             capped: self.before.capped + counters.capped,

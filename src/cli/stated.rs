@@ -25,7 +25,8 @@ impl Stated {
 
     /// Of a render whose film held the passes from `first` on before.
     pub(super) fn of_outcome(outcome: &Outcome, first: u32) -> Self {
-        Self::of(&outcome.film, vec![first..outcome.passes.end], outcome.partial)
+        let passes = std::iter::once(first..outcome.passes.end).collect();
+        Self::of(&outcome.film, passes, outcome.partial)
     }
 
     /// The attributes of an image file.

@@ -68,10 +68,10 @@ box = {{ center = [0, -1, 0], size = [3, 1, 3] }}
 "
         )
     };
-    folder.write("loose.toml", &scene(""));
+    folder.write("loose.toml", scene(""));
     let said = folder.done("check --scene loose.toml");
     assert!(said.out.contains("look     bodies     \"bowl\" and \"lake\" overlap"), "{}", said.out);
-    folder.write("ordered.toml", &scene(", priority = 1"));
+    folder.write("ordered.toml", scene(", priority = 1"));
     let said = folder.done("check --scene ordered.toml");
     assert!(said.out.contains("holds    bodies"), "{}", said.out);
 }

@@ -79,7 +79,8 @@ impl Nesting {
     pub(super) fn at(&self, p: DVec3, geometry: &Geometry, surfaces: &[Surface]) -> Place {
         let mut around = geometry.around(p, &|material| surfaces[material].encloses());
         around.sort_by(|a, b| b.extent.total_cmp(&a.extent));
-        let bodies = around.iter().map(|a| a.material).filter(|&m| self.bodies[m].is_some()).collect();
+        let bodies: Vec<usize> =
+            around.iter().map(|a| a.material).filter(|&m| self.bodies[m].is_some()).collect();
         let medium = match around.last() {
             Some(last) if self.bodies[last.material].is_none() => surfaces[last.material].absorption(),
             _ => self.absorption(&bodies),
@@ -97,7 +98,7 @@ impl Nesting {
     }
 
     /// What the body that is there absorbs.
-    fn absorption(&self, bodies: &Vec<usize>) -> Option<Medium> {
+    fn absorption(&self, bodies: &[usize]) -> Option<Medium> {
         self.there(bodies).and_then(|m| self.bodies[m]?.absorption).map(Medium::from)
     }
 
