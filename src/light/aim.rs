@@ -186,7 +186,7 @@ fn meet(p: Vec3, w: Vec3, corner: Vec3, n: Vec3) -> Option<Vec3> {
 }
 
 impl Aim {
-    /// All of `targets`; of more than [`MOST_TARGETS`] neighbours are put into one ball.
+    /// All of `targets`; of more than `MOST_TARGETS` neighbours are put into one ball.
     #[must_use]
     pub fn new(mut targets: Vec<Target>) -> Self {
         if targets.len() > MOST_TARGETS {
