@@ -376,7 +376,7 @@ fn recipe() -> impl Strategy<Value = Recipe> {
         2 => Just(Form::Smooth),
         2 => Just(Form::Painted)
     ];
-    let number = prop_oneof![9 => 0u8..3, 3 => 3u8..6, 8 => 6u8..MATERIALS, 2 => BUMPY..17];
+    let number = prop_oneof![9 => 0u8..3, 3 => 3u8..6, 8 => 6u8..MATERIALS, 1 => BUMPY..17, 1 => Just(BUMPY), 1 => 20u8..22];
     (
         prop::collection::vec((number, form), 1..4),
         any::<bool>(),
