@@ -84,7 +84,7 @@ pub(super) fn caustics(scene: &Scene, folded: &Folded<'_>, options: &Options) ->
         return Caustics::Path;
     }
     let kind = |material: u32| &*folded.kinds[material as usize];
-    let thrown = scene.objects.iter().any(|o| casts(kind(o.material.0)).is_some());
+    let thrown = scene.objects.iter().any(|o| casts(scene, kind(o.material.0)).is_some());
     let emits = |k: &MaterialKind| matches!(k.emission(), Some((_, Sides::Front | Sides::Both)));
     let lit = !scene.lights.is_empty()
         || scene.environment.is_some()

@@ -7,12 +7,12 @@ use glam::Vec3;
 
 use super::fold::Folded;
 use super::geometry::Flat;
-use super::material::{Numbers, has_coat};
+use super::material::{Numbers, darkest, has_coat};
 use crate::bsdf::SMOOTH_ALPHA;
 use crate::light::{
     Aim, LightSet, PhotonLights, Rectangle, Target, TargetShape, TriangleLight, from_triangles,
 };
-use crate::scene::{MaterialKind, Principled, Scene};
+use crate::scene::{MaterialKind, Principled, ScalarTexture, Scene};
 
 /// Objects with more triangles than this are aimed at as one ball.
 const MOST_FACES: u32 = 32;
@@ -27,7 +27,7 @@ pub(crate) struct Casting {
 
 impl Casting {
     pub(super) fn new(scene: &Scene, folded: &Folded<'_>, flat: &Flat, lights: &LightSet) -> Self {
-        let strength: Vec<_> = folded.kinds.iter().map(|k| casts(k)).collect();
+        let strength: Vec<_> = folded.kinds.iter().map(|k| casts(scene, k)).collect();
         let mut targets = Vec::new();
         for (object, range) in scene.objects.iter().zip(&flat.range) {
             if let (Some(s), &Some((first, count))) = (strength[object.material.0 as usize], range) {
@@ -87,28 +87,31 @@ fn face(r: &Rectangle, strength: f32) -> Target {
 
 /// The share of light that a material throws on, roughly, (0, 1]; `None` where none of its lobes can be
 /// without spread.
-pub(super) fn casts(kind: &MaterialKind) -> Option<f32> {
+pub(super) fn casts(scene: &Scene, kind: &MaterialKind) -> Option<f32> {
     match kind {
         MaterialKind::Diffuse { .. } | MaterialKind::Light { .. } => None,
         MaterialKind::Mirror { color } => (!color.is_black()).then(|| color.max_channel().clamp(LEAST, 1.0)),
         MaterialKind::Glass(_) => Some(1.0),
-        MaterialKind::Principled(p) => principled(p),
+        MaterialKind::Principled(p) => principled(scene, p),
     }
 }
 
 /// No share counts as less: what is thrown at grazing angles, or by a texel, may be all.
 const LEAST: f32 = 0.06;
 
-fn principled(p: &Principled) -> Option<f32> {
+fn principled(scene: &Scene, p: &Principled) -> Option<f32> {
     let numbers = Numbers::from(p);
     let t = &p.textures;
     // Textures multiply, so that they may make smoother what is rough.
-    let smooth = |roughness: f32, varies: bool| varies || roughness * roughness < SMOOTH_ALPHA;
+    let smooth = |roughness: f32, texture: &Option<ScalarTexture>| {
+        let least = roughness * texture.as_ref().map_or(1.0, |t| darkest(scene, t));
+        least * least < SMOOTH_ALPHA
+    };
     let metallic = if numbers.metallic > 0.0 { numbers.metallic } else { 0.0 };
     let transmits = if metallic < 1.0 || t.metallic.is_some() { numbers.transmission } else { 0.0 };
     let mut share: Option<f32> = None;
     let mut add = |s: f32| share = Some(share.unwrap_or(0.0) + s);
-    if smooth(numbers.roughness, t.roughness.is_some()) {
+    if smooth(numbers.roughness, &t.roughness) {
         if metallic > 0.0 {
             add(metallic * p.base_color.max_channel());
         }
@@ -122,7 +125,7 @@ fn principled(p: &Principled) -> Option<f32> {
         // A body of index one lets light pass straight, however rough it is.
         add((1.0 - metallic) * transmits);
     }
-    if has_coat(&numbers) && smooth(numbers.coat_roughness, t.coat_roughness.is_some()) {
+    if has_coat(&numbers) && smooth(numbers.coat_roughness, &t.coat_roughness) {
         add(LEAST * numbers.coat);
     }
     share.map(|s| s.clamp(LEAST, 1.0))

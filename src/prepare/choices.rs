@@ -4,9 +4,10 @@
 //! They are the same whatever kernel runs.
 
 use super::algorithm::Caustics;
+use super::casters::casts;
 use super::fold::{Folded, has_surface};
 use super::lights::{self, effect_of};
-use super::material::{self, Numbers};
+use super::material;
 use super::plan::{Choice, Effect, Unseen};
 use super::replications;
 use crate::light::MANY_LIGHTS;
@@ -83,21 +84,9 @@ fn means(pixels: u64) -> Choice {
 /// Materials in use that send light on in a single direction: mirrors, clear glass, clear coats. What they
 /// focus is a caustic.
 pub(super) fn casters(scene: &Scene, folded: &Folded<'_>) -> Vec<usize> {
-    let casts = |kind: &MaterialKind| match kind {
-        MaterialKind::Mirror { color } => !color.is_black(),
-        MaterialKind::Glass(_) => true,
-        MaterialKind::Diffuse { .. } | MaterialKind::Light { .. } => false,
-        MaterialKind::Principled(p) => {
-            let mut n = Numbers::from(&**p);
-            let darkest = |t: &Option<crate::scene::ScalarTexture>| {
-                t.as_ref().map_or(1.0, |t| material::darkest(scene, t))
-            };
-            n.roughness *= darkest(&p.textures.roughness);
-            n.coat_roughness *= darkest(&p.textures.coat_roughness);
-            material::has_single_directions(&n)
-        }
-    };
-    (0..scene.materials.len()).filter(|&i| folded.uses[i].used && casts(&folded.kinds[i])).collect()
+    (0..scene.materials.len())
+        .filter(|&i| folded.uses[i].used && casts(scene, &folded.kinds[i]).is_some())
+        .collect()
 }
 
 /// What no path finds: light of points and single directions that reaches a surface by way of a mirror or clear

@@ -255,16 +255,6 @@ pub(super) fn is_diffuse(p: &Numbers) -> bool {
     plain && !has_layers(p)
 }
 
-/// Whether any lobe has a single direction: a mirror, clear glass or a clear coat.
-pub(super) fn has_single_directions(p: &Numbers) -> bool {
-    let smooth = |roughness: f32| roughness * roughness < SMOOTH_ALPHA;
-    let transmits = p.transmission > 0.0 && p.metallic < 1.0;
-    let reflects = p.metallic > 0.0 || transmits || reflectance(p).0 > 0.0;
-    (smooth(p.roughness) && reflects)
-        || (transmits && is_straight(p))
-        || (has_coat(p) && smooth(p.coat_roughness))
-}
-
 /// Whether any lobe of a folded material has a spread, so that lights can be sampled at it.
 pub(super) fn spreads(kind: &MaterialKind) -> bool {
     match kind {
