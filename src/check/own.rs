@@ -111,7 +111,12 @@ impl Own<'_> {
     fn refused(&self, first: &Outcome) -> Finding {
         let n = first.film.refused_total();
         let place = first.bad.first().map_or_else(String::new, |b| {
-            format!(", the first at pixel {},{} of pass {}: {:?}", b.pixel[0], b.pixel[1], b.pass, b.reason)
+            let ([x, y], [w, h], pass) = (b.pixel, self.size, b.pass);
+            format!(
+                ", the first is not a radiance because of {:?}: `render SCENE --size {w}x{h} --replay {x},{y},{pass}` \
+                 traces it alone",
+                b.reason
+            )
         });
         let cut = match first.counters.capped {
             0 => String::new(),

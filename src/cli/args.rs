@@ -176,6 +176,11 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "TIME", value_parser = units::time, default_value = "30s", requires = "checkpoint")]
     pub(super) checkpoint_every: Duration,
 
+    /// Trace one sample alone and print its radiance: that of pass PASS at pixel X,Y, as the render with the same
+    /// settings takes it. No picture is written
+    #[arg(long, value_name = "X,Y,PASS", value_parser = units::sample)]
+    pub(super) replay: Option<[u32; 3]>,
+
     /// Width and height of the picture in pixels [default: the scene's, else 800 wide in the camera's
     /// aspect, else 800x600]
     #[arg(long, value_name = "WxH", value_parser = units::size)]

@@ -25,7 +25,7 @@ use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tra
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
 use crate::part::Identity;
-use crate::prepare::{self, EffectsMode, Plan, PrepareError};
+use crate::prepare::{self, EffectsMode, Plan, PrepareError, Prepared};
 use crate::report::Explanation;
 use crate::scene::{Camera, Note, Scene, sha256};
 
@@ -33,10 +33,15 @@ pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) 
     let begin = Instant::now();
     let outputs =
         if args.output.is_empty() { default_outputs(&args.scene.scene) } else { args.output.clone() };
-    check_outputs(&outputs)?;
+    if args.replay.is_none() {
+        check_outputs(&outputs)?;
+    }
     check_flags(args, &outputs)?;
     let loaded = load::load(&args.scene)?;
     let job = Job::from_args(args, &loaded.scene, outputs)?;
+    if let Some(sample) = args.replay {
+        return job.replay(&loaded.scene, sample, console);
+    }
     if args.strict {
         notes::refuse(&loaded.notes, notes::RENDERED)?;
     }
@@ -69,9 +74,10 @@ fn check_flags(args: &RenderArgs, outputs: &[PathBuf]) -> Result<(), Failure> {
         Method::Report => ("report", true),
     };
     let others = args.method != Method::Default;
-    let without: [(&str, bool); 11] = [
+    let without: [(&str, bool); 12] = [
         ("--time", others && args.time.is_some()),
         ("--error", others && args.error.is_some()),
+        ("--replay", others && args.replay.is_some()),
         ("--passes", others && args.passes.is_some()),
         ("--checkpoint", others && args.checkpoint.is_some()),
         ("--aov", others && !args.aov.is_empty()),
@@ -290,6 +296,30 @@ impl Job {
         Ok(stopped.unwrap_or(if short { Code::Short } else { Code::Done }))
     }
 
+    fn prepared(&self, scene: &Scene) -> Result<Prepared, Failure> {
+        prepare::prepare(scene, &self.prepare).map_err(|e| match e {
+            PrepareError::NoCamera => Failure::load(format!("{}: {e}", self.scene_name)),
+            _ => Failure::usage(e.to_string()),
+        })
+    }
+
+    /// Traces one sample alone.
+    fn replay(&self, scene: &Scene, [x, y, pass]: [u32; 3], console: &Console) -> Result<Code, Failure> {
+        let prepared = self.prepared(scene)?;
+        let [width, height] = prepared.size;
+        if x >= width || y >= height || pass >= MAX_SAMPLES {
+            let most = MAX_SAMPLES - 1;
+            return Err(Failure::usage(format!(
+                "--replay: found pixel {x},{y} and pass {pass}, expected at most {},{} and {most}",
+                width - 1,
+                height - 1
+            )));
+        }
+        let radiance = integrate::replay(&prepared, [x, y], pass).radiance;
+        console.result(&format!("{} {} {}", radiance.r, radiance.g, radiance.b))?;
+        Ok(Code::Done)
+    }
+
     /// The default method; also the seconds that preparing took.
     fn render(
         &self,
@@ -299,10 +329,7 @@ impl Job {
         console: &Console,
     ) -> Result<(Rendered, f64), Failure> {
         let begin = Instant::now();
-        let prepared = prepare::prepare(scene, &self.prepare).map_err(|e| match e {
-            PrepareError::NoCamera => Failure::load(format!("{}: {e}", self.scene_name)),
-            _ => Failure::usage(e.to_string()),
-        })?;
+        let prepared = self.prepared(scene)?;
         if self.verbose {
             // Notes have been said.
             let explanation = Explanation::new(&prepared.plan, &[]);
@@ -555,8 +582,9 @@ impl Job {
             let why = reason(bad.reason);
             let n = many(rendered.refused, "sample");
             console.message(&format!(
-                "note: {n} refused, the first at pixel {x},{y} in pass {}: {why}",
-                bad.pass
+                "note: {n} refused, the first at pixel {x},{y} in pass {pass}: {why}; --replay {x},{y},{pass} traces \
+                 it alone",
+                pass = bad.pass
             ));
         }
         if let Some(cut) = rendered.counters.map(|c| c.capped).filter(|&n| n > 0) {

@@ -50,6 +50,14 @@ pub(super) fn share(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected a share between 0 and 100 %, such as 1% or 0.01".into())
 }
 
+/// `X,Y,PASS`: a pixel of the whole picture, and a pass.
+pub(super) fn sample(text: &str) -> Result<[u32; 3], String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(number).collect();
+    numbers.and_then(|n| n.try_into().ok()).ok_or_else(|| {
+        "expected X,Y,PASS: a pixel from the top left corner, and a pass, such as 17,42,9".into()
+    })
+}
+
 /// `A..B`, half open.
 pub(super) fn passes(text: &str) -> Result<std::ops::Range<u32>, String> {
     let range = text.split_once("..").and_then(|(a, b)| Some(number(a)?..number(b)?));

@@ -164,6 +164,23 @@ fn facts_as_json() {
     insta::assert_snapshot!(folder.done("explain room.toml").out);
 }
 
+/// One sample alone is the one that the picture is made of.
+#[test]
+fn a_sample_can_be_traced_alone() {
+    let folder = Folder::with_room();
+    folder.done("render room.toml --size 24x16 --spp 1 -o one.exr -q");
+    let image = read_exr(&folder.path("one.exr")).unwrap();
+    for (x, y) in [(0, 0), (11, 7), (23, 15)] {
+        let said = folder.done(&format!("render room.toml --size 24x16 --replay {x},{y},0"));
+        let numbers: Vec<f32> = said.out.split_whitespace().map(|n| n.parse().unwrap()).collect();
+        assert_eq!(numbers, image.rgb[y * 24 + x].to_array());
+    }
+    let said = folder.run("render room.toml --size 24x16 --replay 24,0,0");
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("found pixel 24,0 and pass 0, expected at most 23,15"), "{}", said.err);
+    assert!(!folder.names().iter().any(|n| n.starts_with("room.") && n != "room.toml"), "no picture");
+}
+
 /// A signal ends the render early, the picture is saved, and the exit code says so.
 #[cfg(unix)]
 #[test]
