@@ -8,7 +8,6 @@ use super::failure::Failure;
 use super::parts;
 use super::render::check_outputs;
 use super::stated::Stated;
-use super::units::show_share;
 use crate::output::{self, Tone, WriteOptions};
 use crate::scene::ToneCurve;
 
@@ -42,8 +41,10 @@ pub(super) fn run(args: &MergeArgs, console: &Console) -> Result<Code, Failure> 
     if let Some(path) = &args.checkpoint {
         parts::write(path, &whole)?;
     }
-    let error = stated.error.map_or_else(String::new, |e| format!(", error {}", show_share(e.error)));
-    console.message(&format!("{} samples per pixel of {} parts{error}", whole.count(), args.parts.len()));
+    console.message(&format!("{} samples per pixel of {} parts", whole.count(), args.parts.len()));
+    if let Some(line) = stated.error_line() {
+        console.message(&line);
+    }
     let names = args.output.iter().map(|p| p.display().to_string()).collect::<Vec<_>>();
     console.result(&names.join("\n"))?;
     Ok(Code::Done)

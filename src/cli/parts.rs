@@ -12,7 +12,7 @@ pub(super) fn read(path: &Path) -> Result<Part, Failure> {
     Part::from_bytes(&bytes).map_err(|e| {
         let failure = Failure::load(format!("{}: {e}", path.display()));
         match e {
-            PartError::NotAPart => failure.help("`render --passes A..B --part FILE` writes parts"),
+            PartError::NotAPart => failure.help("`render --passes A..B --checkpoint FILE` writes parts"),
             PartError::Damaged => failure.help("render its passes again"),
             _ => failure,
         }

@@ -19,7 +19,7 @@ use super::schema::to_json;
 use super::signal::Stop;
 use super::stated::Stated;
 use super::units::{show_share, show_time};
-use crate::film::{ErrorEstimate, Film, Image, Refusal};
+use crate::film::{Film, Image, Refusal};
 use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
 use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tracer, rays_per_pixel};
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
@@ -354,8 +354,8 @@ impl Job {
         let mut film = Film::new(integrate::layout(&prepared, &options));
         let mut saver = None;
         if let Some(path) = &self.checkpoint {
-            let (mut opened, saved) = Saver::open(path, &identity, screen, &options.passes, console)?;
-            opened.every(self.checkpoint_every);
+            let (opened, saved) =
+                Saver::open(path, &identity, screen, &options.passes, self.checkpoint_every, console)?;
             if let Some(part) = saved {
                 options.passes.start = part.passes.last().map_or(self.first, |r| r.end);
                 film = part.film;
@@ -566,8 +566,11 @@ impl Job {
         if all != samples {
             console.message(&format!("{} per pixel with those of the checkpoint", many(all, "sample")));
         }
-        if let Some(error) = rendered.stated.error {
-            console.message(&self.error_line(error, rendered.reached));
+        if let Some(mut line) = rendered.stated.error_line() {
+            if let Some(target) = self.error.filter(|_| !rendered.reached) {
+                line += &format!("; {} was asked for", show_share(target));
+            }
+            console.message(&line);
         }
         if rendered.stated.partial {
             console.message("note: not one sample of every pixel is done; the picture is partial");
@@ -590,25 +593,6 @@ impl Job {
         if let Some(cut) = rendered.counters.map(|c| c.capped).filter(|&n| n > 0) {
             console.message(&format!("note: {} cut by the safety cap on length", many(cut, "path")));
         }
-    }
-}
-
-impl Job {
-    /// What the picture's error is, and whether it is what was asked for.
-    fn error_line(&self, found: ErrorEstimate, reached: bool) -> String {
-        let [low, high] = found.interval.map(show_share);
-        let mut line = if found.trusted {
-            format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error))
-        } else if found.error > ErrorEstimate::NOISIEST {
-            format!("error above {}: too noisy to say", show_share(ErrorEstimate::NOISIEST))
-        } else {
-            let carry = found.effective_pixels;
-            format!("error {}, not trustworthy yet: {carry:.0} pixels carry it", show_share(found.error))
-        };
-        if let Some(target) = self.error.filter(|_| !reached) {
-            line += &format!("; {} was asked for", show_share(target));
-        }
-        line
     }
 }
 

@@ -9,6 +9,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::parts::{Checkpoint, Found};
 use super::progress::Watch;
+use super::units::show_passes;
 use crate::film::Film;
 use crate::integrate::{Control, Counters, Outcome, Progress};
 use crate::part::{Identity, Part};
@@ -27,12 +28,14 @@ pub(super) struct Saver<'a> {
 }
 
 impl<'a> Saver<'a> {
-    /// The file, and what it holds of the render; `passes` are those that are asked for.
+    /// The file, and what it holds of the render; `passes` are those that are asked for, and `interval` is the time
+    /// between two checkpoints.
     pub(super) fn open(
         path: &Path,
         identity: &Identity,
         screen: (String, f32),
         passes: &Range<u32>,
+        interval: Duration,
         console: &'a Console,
     ) -> Result<(Self, Option<Part>), Failure> {
         let checkpoint = Checkpoint::new(path);
@@ -49,11 +52,10 @@ impl<'a> Saver<'a> {
                     console.message(&format!("note: {warning}"));
                 }
                 part.identity.check(identity).map_err(|e| usage(e.to_string()))?;
-                let held = part.passes.iter().map(|r| format!("{}..{}", r.start, r.end)).collect::<Vec<_>>();
                 let fits = matches!(&part.passes[..], [r] if r.start == passes.start && r.end <= passes.end);
                 if !fits {
-                    let held = held.join(", ");
-                    let asked = format!("{}..{}", passes.start, passes.end);
+                    let (held, asked) =
+                        (show_passes(&part.passes), show_passes(std::slice::from_ref(passes)));
                     return Err(usage(format!("it holds passes {held}, and {asked} were asked for")));
                 }
                 before = Counters { rays: part.rays, capped: part.capped };
@@ -62,13 +64,7 @@ impl<'a> Saver<'a> {
         };
         let (identity, last) = (identity.clone(), Mutex::new(Instant::now()));
         let first = passes.start;
-        let interval = Duration::from_secs(30);
         Ok((Self { checkpoint, identity, screen, first, before, last, interval, console }, part))
-    }
-
-    /// Changes the time between two checkpoints.
-    pub(super) fn every(&mut self, interval: Duration) {
-        self.interval = interval;
     }
 
     fn save(&self, film: &Film, end: u32, counters: Counters) -> Result<(), Failure> {

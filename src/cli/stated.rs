@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::units::{show_passes, show_share};
 use crate::film::{ErrorEstimate, Film};
 use crate::integrate::Outcome;
 use crate::part::Identity;
@@ -31,10 +32,9 @@ impl Stated {
 
     /// The attributes of an image file.
     pub(super) fn attributes(&self, identity: &Identity) -> Vec<(String, String)> {
-        let range = |r: &Range<u32>| format!("{}..{}", r.start, r.end);
         let mut list = identity.0.clone();
         let mut add = |name: &str, value: String| list.push((name.to_owned(), value));
-        add("passes", self.passes.iter().map(range).collect::<Vec<_>>().join(", "));
+        add("passes", show_passes(&self.passes));
         if self.partial {
             add("partial", "some pixels have no samples".to_owned());
         }
@@ -44,5 +44,19 @@ impl Stated {
             add("error_trusted", e.trusted.to_string());
         }
         list
+    }
+
+    /// A line about the error, and how sure it is; `None` where nothing can be said of it.
+    pub(super) fn error_line(&self) -> Option<String> {
+        let found = self.error?;
+        let [low, high] = found.interval.map(show_share);
+        Some(if found.trusted {
+            format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error))
+        } else if found.error > ErrorEstimate::NOISIEST {
+            format!("error above {}: too noisy to say", show_share(ErrorEstimate::NOISIEST))
+        } else {
+            let carry = found.effective_pixels;
+            format!("error {}, not trustworthy yet: {carry:.0} pixels carry it", show_share(found.error))
+        })
     }
 }

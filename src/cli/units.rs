@@ -66,6 +66,11 @@ pub(super) fn passes(text: &str) -> Result<std::ops::Range<u32>, String> {
         .ok_or_else(|| "expected A..B, the first pass and the one after the last, such as 0..64".into())
 }
 
+/// Passes as they are typed: `0..64`, with commas between several ranges.
+pub(super) fn show_passes(passes: &[std::ops::Range<u32>]) -> String {
+    passes.iter().map(|r| format!("{}..{}", r.start, r.end)).collect::<Vec<_>>().join(", ")
+}
+
 /// A share for people, in percent with three digits.
 pub(super) fn show_share(share: f64) -> String {
     let percent = 100.0 * share;

@@ -3,8 +3,8 @@
 //! A pass is one sample for each pixel and the unit of everything: of stopping, of sharing work over
 //! machines, of what a file says it holds. Work is handed out as (pass, tile) in order, without a
 //! barrier; the samples of a pass wait until all its tiles are done and are then added to the film
-//! together, so that the film always holds whole passes. The order in which they arrive does not
-//! matter to its bytes.
+//! together, so that the film always holds whole passes. They are added in order, so that whoever saves the film or
+//! looks at its error knows which passes it holds; to its bytes the order does not matter.
 //!
 //! Where the plan has photons, those of a pass are traced in parts that are handed out a whole pass before its
 //! tiles, so that tiles hardly ever wait for them: the parts of pass 0, then those of pass p + 1 before the

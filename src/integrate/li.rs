@@ -288,15 +288,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         }
         _ => &prepared.bsdf,
     };
-    let context = LightContext {
-        p: surface.p,
-        p_err: surface.p_err,
-        from: surface.id,
-        ng: surface.ng,
-        ns: surface.ns,
-        wo,
-        transmits: bsdf.transmits(),
-    };
+    let context = surface.lit(wo, bsdf.transmits());
     let beyond = match met {
         Some(met) => met.beyond,
         None if fx.has(Effect::Absorption) => medium_beyond(scene, path.medium, material, &context),

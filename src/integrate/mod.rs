@@ -1,8 +1,9 @@
 //! Light transport.
 //!
 //! In: a [`crate::prepare::Prepared`] scene. Out: a [`crate::film::Film`]. `li` is the path from the
-//! camera to roulette and reads on its own; `render` owns tiles, threads and progress; `kernels` holds
-//! `li` compiled for a few sets of effects; `naive` is the slow, obvious oracle of the tests; `report` is
+//! camera to roulette and reads on its own; `photon` finds caustics from the lights; `render` says what can be
+//! asked for and what comes of it, `drive` owns tiles, threads and progress; `kernels` holds `li` compiled for a
+//! few sets of effects; `naive` is the slow, obvious oracle of the tests; `report` is
 //! the method of the student report that the project began with.
 
 mod direct;
@@ -11,7 +12,6 @@ mod kernels;
 mod li;
 pub mod naive;
 mod photon;
-
 mod render;
 pub mod report;
 mod roulette;

@@ -3,6 +3,7 @@
 //! What is the same everywhere on a surface is compiled once; what a texture or vertex colours vary is
 //! compiled again at each hit, by the same functions, in [`super::varying`].
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::albedo::{Albedos, AllTables, Rows};
@@ -110,6 +111,16 @@ impl Interior {
 }
 
 impl PreparedMaterial {
+    /// The lobes at a point that is seen, or lit, under the cosine `mu`, [0, 1], to the shading normal.
+    #[inline]
+    #[must_use]
+    pub(crate) fn bsdf_at(&self, detail: &Detail, mu: f32) -> Cow<'_, Bsdf> {
+        match &self.varying {
+            Some(varying) => Cow::Owned(varying.bsdf(detail, mu)),
+            None => Cow::Borrowed(&self.bsdf),
+        }
+    }
+
     /// What layers on top leave of light that the surface emits at the cosine `mu`, [0, 1], to its geometric
     /// normal; one where there are none.
     #[inline]

@@ -177,16 +177,15 @@ impl Prepared {
             return Some(Met { interface: None, beyond, with, flipped: false });
         }
         let outside = nesting.ior(if into { before } else { after });
-        let absorbs = nesting.there(after).filter(|&m| self.materials[m as usize].interior.is_some());
         Some(Met {
             interface: nesting.interface(rank, outside),
-            beyond: Medium { inside: after, absorbs },
+            beyond: Medium { inside: after, absorbs: self.absorbs_around(after) },
             with,
             flipped: into != enters,
         })
     }
 
-    /// What absorbs behind a surface that leads out of whatever has no priority.
+    /// What absorbs where these bodies are around, and nothing without a priority is.
     #[inline]
     pub(crate) fn absorbs_around(&self, inside: Inside) -> Option<u32> {
         let around = self.nesting.as_ref()?.there(inside);

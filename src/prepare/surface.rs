@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::normal::NormalMap;
 use super::{Detail, Prepared, PreparedMaterial};
 use crate::accel::{Hit, PrimitiveId};
+use crate::light::LightContext;
 use crate::shape::{Ray, sphere, triangle};
 
 /// A point on a surface, world space.
@@ -22,6 +23,16 @@ pub struct Surface {
     pub object: u32,
     /// The primitive.
     pub id: PrimitiveId,
+}
+
+impl Surface {
+    /// The point as lights see it, from which light goes to `wo` (unit); `transmits` says whether it may come from
+    /// the other side.
+    #[inline]
+    #[must_use]
+    pub(crate) fn lit(&self, wo: Vec3, transmits: bool) -> LightContext {
+        LightContext { p: self.p, p_err: self.p_err, from: self.id, ng: self.ng, ns: self.ns, wo, transmits }
+    }
 }
 
 impl Prepared {

@@ -71,6 +71,7 @@ fn strangers_are_refused() {
     folder.write("no.part", "not a part");
     let said = folder.run("merge a.part no.part -o m.png");
     assert!(said.err.contains("no.part: this is not a part of a render"), "{}", said.err);
+    assert!(said.err.contains("--checkpoint FILE` writes parts"), "{}", said.err);
     // A checkpoint of something else is not overwritten.
     let before = folder.read("seed.part");
     let said = folder.run(&format!("render room.toml --spp 4 {SMALL} -o t.png --checkpoint seed.part"));

@@ -32,15 +32,7 @@ impl<'a> Vertex<'a> {
         let hit = scene.accel.closest(&ray, PrimitiveId::NONE, RayKind::Camera)?;
         let surface = scene.surface(&ray, &hit, false);
         let bsdf = &scene.materials[scene.material_of(surface.object) as usize].bsdf;
-        let context = LightContext {
-            p: surface.p,
-            p_err: surface.p_err,
-            from: surface.id,
-            ng: surface.ng,
-            ns: surface.ns,
-            wo: -ray.d,
-            transmits: false,
-        };
+        let context = surface.lit(-ray.d, false);
         Some(Self { scene, bsdf, frame: Frame::from_z(surface.ns), context })
     }
 

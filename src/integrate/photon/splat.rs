@@ -4,7 +4,6 @@ use super::trace::{Landing, spread};
 use crate::accel::RayKind;
 use crate::color::Rgb;
 use crate::integrate::li::{Counters, FAR_CAP, interior, medium_beyond};
-use crate::light::LightContext;
 use crate::prepare::Prepared;
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
@@ -53,15 +52,7 @@ pub(super) fn splat(
     if let Some(medium) = scene.start.absorbs {
         radiance *= interior(scene, medium, seen.origin.distance(surface.p));
     }
-    let context = LightContext {
-        p: surface.p,
-        p_err: surface.p_err,
-        from: surface.id,
-        ng: surface.ng,
-        ns: surface.ns,
-        wo: seen.wo,
-        transmits: true,
-    };
+    let context = surface.lit(seen.wo, true);
     let medium = if context.crosses(photon.wi) {
         medium_beyond(scene, scene.start, landing.index, &context)
     } else {

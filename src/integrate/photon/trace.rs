@@ -16,12 +16,12 @@
 use glam::Vec3;
 
 use crate::accel::{Hit, PrimitiveId, RayKind};
-use crate::bsdf::{Bsdf, Transport};
+use crate::bsdf::Transport;
 use crate::color::Rgb;
 use crate::integrate::direct::emitted_share;
 use crate::integrate::li::{Counters, FAR_CAP, interior, is_there};
 use crate::integrate::{roulette, scatter as lobes};
-use crate::prepare::{Casting, Detail, Effects, Prepared, PreparedMaterial, Surface};
+use crate::prepare::{Casting, Detail, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
@@ -177,15 +177,8 @@ fn scatter(scene: &Prepared, landing: &Landing<'_>, lands: bool, u: [f32; 4]) ->
     for (i, n) in normals.0.iter().enumerate() {
         let Some(n) = *n else { continue };
         let frame = lobes::Frame::new(&Surface { ns: n, ..*surface }, wi);
-        let compiled;
-        let bsdf = match &material.varying {
-            Some(varying) => {
-                compiled = varying.bsdf(detail, frame.cos());
-                &compiled
-            }
-            None => &material.bsdf,
-        };
-        let sample = lobes::sample(scene.simulates, bsdf, &frame, [u[0], u[1], u[2]], Transport::Importance);
+        let bsdf = material.bsdf_at(detail, frame.cos());
+        let sample = lobes::sample(scene.simulates, &bsdf, &frame, [u[0], u[1], u[2]], Transport::Importance);
         let Some((w, sample)) = sample else { continue };
         if !sample.delta {
             // Any normal serves to sample a lobe with a density, but only one.
@@ -230,21 +223,8 @@ pub(super) fn spread(scene: &Prepared, landing: &Landing<'_>, w: Vec3) -> Option
     let normals = Normals::new(scene, landing);
     let ns = normals.0[normals.chosen(w)]?;
     let frame = lobes::Frame::new(&Surface { ns, ..*surface }, w);
-    let compiled;
-    let bsdf = match &material.varying {
-        Some(varying) => {
-            compiled = varying.bsdf(detail, frame.cos());
-            &compiled
-        }
-        None => &material.bsdf,
-    };
-    value(scene.simulates, bsdf, &frame, photon)
-}
-
-/// The value of a BSDF for light along a photon, times the ratio of its cosines.
-#[inline]
-fn value(fx: Effects, bsdf: &Bsdf, frame: &lobes::Frame, photon: &Photon) -> Option<Rgb> {
-    let (f, _) = lobes::f_and_pdf(fx, bsdf, frame, photon.wi, Transport::Radiance)?;
+    let bsdf = material.bsdf_at(detail, frame.cos());
+    let (f, _) = lobes::f_and_pdf(scene.simulates, &bsdf, &frame, photon.wi, Transport::Radiance)?;
     Some(f * cosine_ratio(photon, frame.ns()))
 }
 
@@ -256,8 +236,5 @@ pub(super) fn cosine_ratio(photon: &Photon, ns: Vec3) -> f32 {
 
 /// Whether a surface spreads light at all, which does not depend on directions.
 fn spreads(material: &PreparedMaterial, detail: &Detail) -> bool {
-    match &material.varying {
-        Some(varying) => !varying.bsdf(detail, 1.0).is_delta(),
-        None => !material.bsdf.is_delta(),
-    }
+    !material.bsdf_at(detail, 1.0).is_delta()
 }
