@@ -27,6 +27,7 @@ pub mod mutants;
 mod mutants;
 pub mod output;
 pub mod part;
+pub mod pilot;
 pub mod prepare;
 mod rare;
 pub mod report;

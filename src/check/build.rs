@@ -174,7 +174,7 @@ impl Shooter {
             effects,
             max_depth,
             transparent: false,
-            algorithms: Algorithms::default(),
+            algorithms: Algorithms::PATHS,
         };
         let prepared = prepare(&scene, &options).ok()?;
         let li = kernel(&prepared.plan).li;

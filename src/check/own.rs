@@ -97,7 +97,7 @@ impl Own<'_> {
             effects,
             max_depth: scene.settings.max_depth,
             transparent: false,
-            algorithms: Algorithms::default(),
+            algorithms: Algorithms::PATHS,
         };
         Ok(prepare(scene, &options)?)
     }

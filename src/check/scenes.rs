@@ -44,7 +44,7 @@ fn ready(scene: &Scene, size: [u32; 2], seed: u64) -> Option<Prepared> {
         effects: EffectsMode::Auto,
         max_depth: scene.settings.max_depth,
         transparent: false,
-        algorithms: Algorithms::default(),
+        algorithms: Algorithms::PATHS,
     };
     prepare(scene, &options).ok()
 }
@@ -77,7 +77,7 @@ fn constant(_: Effort) -> Vec<Figure> {
         effects: EffectsMode::Auto,
         max_depth: None,
         transparent: false,
-        algorithms: Algorithms::default(),
+        algorithms: Algorithms::PATHS,
     };
     let Ok(prepared) = prepare(&scene, &options) else { return unmeasured("a sky") };
     let shoot = |crop: Option<[u32; 4]>| {

@@ -120,7 +120,7 @@ pub(super) fn prepared(mut scene: Scene, id: &str, size: [u32; 2]) -> Option<Pre
         effects,
         max_depth: None,
         transparent: false,
-        algorithms: Algorithms::default(),
+        algorithms: Algorithms::PATHS,
     };
     prepare(&scene, &options).ok()
 }

@@ -186,7 +186,7 @@ pub(super) fn prepared(mut scene: Scene, eye: DVec3, max_depth: Option<u32>) -> 
         effects: EffectsMode::Auto,
         max_depth,
         transparent: false,
-        algorithms: Algorithms::default(),
+        algorithms: Algorithms::PATHS,
     };
     prepare(&scene, &options).ok()
 }

@@ -9,7 +9,8 @@ use super::failure::Failure;
 use super::notes::{self, NoteJson};
 use super::schema::to_json;
 use super::{Code, load, render};
-use crate::prepare::{Options, Plan, analyse};
+use crate::pilot::{self, Asked};
+use crate::prepare::{Options, Plan};
 use crate::report::{Explanation, PlanFacts};
 
 #[derive(Serialize)]
@@ -28,14 +29,16 @@ pub(super) fn run(args: &ExplainArgs, console: &Console) -> Result<Code, Failure
     let camera = render::camera(&loaded.scene, args.camera.as_deref())?;
     let options = Options {
         camera: args.camera.clone(),
-        size: render::picture_size(&loaded.scene, camera, None),
-        seed: 0,
+        size: render::picture_size(&loaded.scene, camera, args.size),
+        seed: args.seed,
         effects: args.effects.into(),
         max_depth: loaded.scene.settings.max_depth,
         transparent: false,
         algorithms: args.algorithms.meant(),
     };
-    let plan = analyse(&loaded.scene, camera, &options);
+    let usual = args.error.is_none().then(|| render::default_samples(&loaded.scene));
+    let asked = Asked { samples: args.spp.or(usual), error: args.error, threads: 0 };
+    let plan = pilot::plan(&loaded.scene, &options, &asked).map_err(|e| Failure::usage(e.to_string()))?;
     if args.json {
         let explained = ExplainJson {
             schema: "epsilux.explain/1",

@@ -117,7 +117,7 @@ impl Subject {
             effects: EffectsMode::Auto,
             max_depth: self.settings.max_depth,
             transparent: false,
-            algorithms: prepare::Algorithms::default(),
+            algorithms: self.settings.caustics.algorithms(),
         }
     }
 }

@@ -17,7 +17,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
 use super::li::Counters;
-use super::photon::{Photon, PhotonMap, Splat, Tracer};
+use super::photon::{Photon, PhotonMap, Radius, Splat, Tracer};
 use super::render::{BadSample, Control, Outcome, Progress, RenderError, RenderOptions};
 use crate::film::{ErrorEstimate, Film, LightLayer, Refusal, Sample};
 
@@ -223,7 +223,7 @@ impl Job<'_> {
         });
         if !all.is_empty() && tracer.maps() {
             all.sort_by_key(|&(chunk, _)| chunk);
-            let map = tracer.map(pass, all.into_iter().map(|(_, photons)| photons).collect());
+            let map = tracer.map(Radius::of(pass), all.into_iter().map(|(_, photons)| photons).collect());
             lock(&self.maps).insert(pass, Arc::new(map));
             self.mapped.notify_all();
         }

@@ -226,6 +226,9 @@ mod tests {
             kernel: 1,
             replications: 4,
             caustics: Caustics::Path,
+            light_samples: 1,
+            split: 1,
+            roulette: 4,
         };
         let explanation = Explanation::new(&plan, &notes);
         insta::assert_snapshot!(explanation.to_string(), @r#"

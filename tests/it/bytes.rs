@@ -201,7 +201,7 @@ fn layers_change_nothing_and_add_up() {
 
 /// A scene whose caustics are found by photons.
 fn with_photons(scene: &Scene, effects: EffectsMode, unbiased: bool) -> Prepared {
-    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased };
+    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased, ..Algorithms::PATHS };
     prepare(scene, &Options { effects, algorithms, ..options(SIZE, seed("photons"), None) })
         .expect("a camera")
 }

@@ -42,6 +42,33 @@ fn photons(pixels: u64) -> u32 {
     pixels.min(MOST_PHOTONS) as u32
 }
 
+/// How wide the disks are that photons are gathered from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Radius {
+    /// Factor on the radius of the first pass.
+    pub(crate) factor: f32,
+    /// Width of the pixels that radii are measured in, in those of the picture.
+    pub(crate) pixel: f32,
+}
+
+impl Radius {
+    /// That of a pass.
+    pub(crate) fn of(pass: u32) -> Self {
+        Self { factor: map::radius_scale(pass), pixel: 1.0 }
+    }
+
+    /// The mean over so many passes of the square of the factor, which bias is proportional to.
+    pub(crate) fn mean_square(passes: u32) -> f64 {
+        let squares = (0..passes).scan(1.0, |square, pass| {
+            if pass > 0 {
+                *square *= map::shrink(pass);
+            }
+            Some(*square)
+        });
+        squares.sum::<f64>() / f64::from(passes.max(1))
+    }
+}
+
 /// Traces the photons of passes.
 pub(super) struct Tracer<'a> {
     scene: &'a Prepared,
@@ -65,6 +92,12 @@ impl<'a> Tracer<'a> {
         let pixels = u64::from(scene.size[0]) * u64::from(scene.size[1]);
         let casting = scene.casting()?;
         Some(Self { scene, casting, crop, photons: photons(pixels) })
+    }
+
+    /// With as many photons for each pixel as a picture of so many pixels has.
+    pub(super) fn as_for(self, pixels: u64) -> Self {
+        let share = u64::from(self.photons) * u64::from(photons(pixels)) / pixels.max(1);
+        Self { photons: (share as u32).max(1), ..self }
     }
 
     /// Parts that the photons of a pass are traced in.
@@ -96,13 +129,14 @@ impl<'a> Tracer<'a> {
     }
 
     /// The map of a pass from all of its photons, part after part.
-    pub(super) fn map(&self, pass: u32, parts: Vec<Vec<Photon>>) -> PhotonMap {
+    pub(super) fn map(&self, radius: Radius, parts: Vec<Vec<Photon>>) -> PhotonMap {
         let targets = || self.casting.lights.aim().targets().iter().map(|t| t.ball);
         let least = |lengths: &mut dyn Iterator<Item = f32>| lengths.fold(f32::INFINITY, f32::min);
         // What is nearer to the camera than the nearest target gathers as from there.
         let away = |b: SphereLight| self.scene.camera.distance(b.center).max(b.radius);
         let scale = map::Scale {
-            factor: map::radius_scale(pass),
+            factor: radius.factor,
+            pixel: radius.pixel,
             nearest: least(&mut targets().map(away)),
             smallest: least(&mut targets().map(|b| b.radius)),
         };
