@@ -141,8 +141,9 @@ fn roulette(effort: Effort) -> Vec<Figure> {
         let beta = libm::exp(random.between(-9.0, 0.0)) as f32;
         let eta_scale = [1.0, 2.25, 1.0 / 2.25][(random.bits() % 3) as usize];
         let n = 4096;
-        let scales =
-            (0..n).filter_map(|i| survive(Rgb::grey(beta), eta_scale, 9, ROULETTE_START, (i as f32 + 0.5) / n as f32));
+        let scales = (0..n).filter_map(|i| {
+            survive(Rgb::grey(beta), eta_scale, 9, ROULETTE_START, (i as f32 + 0.5) / n as f32)
+        });
         let mut sum = 0.0;
         for scale in scales {
             sum += f64::from(scale);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::Code;
-use super::adopt::{adopt, choices};
+use super::adopt::{adopt, choices, flags};
 use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs, SlipArg};
 use super::compare::unusable;
 use super::console::Console;
@@ -606,7 +606,11 @@ impl Job {
         if rendered.stated.partial {
             console.message("note: not one sample of every pixel is done; the picture is partial");
         } else if self.first + all != self.passes {
-            console.message(&format!("--spp {all} repeats this picture"));
+            // With so many samples, or without an error, a pilot might choose otherwise.
+            let piloted = rendered.plan.choices.iter().any(|c| c.about == "pilot");
+            let other = piloted && (all < pilot::LEAST_SAMPLES || self.error.is_some());
+            let flags = if other { flags(&rendered.plan) } else { String::new() };
+            console.message(&format!("--spp {all}{flags} repeats this picture"));
         }
         if stopped.is_some() {
             console.message("stopped by a signal; what was done is saved");

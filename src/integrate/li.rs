@@ -273,7 +273,8 @@ fn step<const FX: u32, const LAYERS: bool>(
     let mut prepared = &scene.materials[material as usize];
     let detail =
         if varies(fx) && prepared.detailed { scene.detail(surface.object, &hit) } else { Detail::NONE };
-    let mut there = !arrives || !fx.has(Effect::Cutouts) || is_there(prepared, &detail, address, path.depth, path.passed);
+    let mut there =
+        !arrives || !fx.has(Effect::Cutouts) || is_there(prepared, &detail, address, path.depth, path.passed);
     let met = if fx.has(Effect::Nesting) { scene.meet(&surface, path.ray.d, path.medium) } else { None };
     let leaving = [surface.id, met.map_or(PrimitiveId::NONE, |m| m.with)];
     if let Some(met) = &met {

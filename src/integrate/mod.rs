@@ -19,10 +19,10 @@ mod roulette;
 mod scatter;
 
 pub(crate) use direct::mis_weight;
-pub(crate) use photon::Radius;
-pub(crate) use probe::Probe;
 pub use kernels::{Kernel, LiFn, kernel};
 pub use li::{Counters, Layers};
+pub(crate) use photon::{Radius, photons};
+pub(crate) use probe::Probe;
 pub use render::{
     BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, layout, render,
     render_onto, replay,

@@ -42,11 +42,10 @@ pub(crate) struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    /// Of the whole picture of `scene`, as its plan says, with as many photons for each pixel as a picture of
-    /// `pixels` has.
-    pub(crate) fn new(scene: &'a Prepared, pixels: u64) -> Self {
+    /// Of the whole picture of `scene`, as its plan says, with so many photons in a pass.
+    pub(crate) fn new(scene: &'a Prepared, photons: u32) -> Self {
         let [width, height] = scene.size;
-        let tracer = Tracer::new(scene, [0, 0, width, height]).map(|t| t.as_for(pixels));
+        let tracer = Tracer::new(scene, [0, 0, width, height]).map(|t| t.with(photons));
         Self { scene, kernel: kernel(&scene.plan), tracer }
     }
 

@@ -2,9 +2,9 @@
 
 use super::caustics::{Bias, least_variance};
 use super::judge::{Gain, Several, WORTH, mean, relative};
-use super::trial::{Trial, narrowed};
+use super::trial::{Trial, WIDTHS, narrowed};
 use super::{LEAST_SAMPLES, PASSES, Pilot, percent, times};
-use crate::integrate::Radius;
+use crate::integrate::photons;
 use crate::prepare::{Algorithms, CausticsMode, MOST_BRANCHES, PrepareError, ROULETTE_START};
 
 /// The error that a photon map's bias is measured against where none is asked for.
@@ -24,6 +24,9 @@ const LEAST_THROUGH: f64 = 0.01;
 
 /// More samples than any render is expected to take.
 const MOST_SAMPLES: u32 = 1 << 20;
+
+/// Rays of the photons that show a map's bias, at most: about a second.
+const MOST_RAYS_OF_PHOTONS: f64 = 4e6;
 
 /// Work of trying all changes once more, in trials without them.
 const AGAIN: f64 = 3.0;
@@ -59,17 +62,6 @@ impl Candidate {
     fn beats(&self, other: &Self, weights: &[f64]) -> bool {
         self.gain_over(other) > WORTH
             && (other.bounded || Gain::new(&other.trial, &self.trial, weights).is_sure())
-    }
-
-    /// Its work beside that of paths.
-    fn beside(&self, paths: &Self) -> String {
-        let gain = self.gain_over(paths);
-        let least = if paths.bounded { "at least " } else { "" };
-        if gain >= 1.0 {
-            format!("{} takes {least}{} times less work", self.name, times(gain))
-        } else {
-            format!("{} takes {} times the work", self.name, times(1.0 / gain))
-        }
     }
 }
 
@@ -123,9 +115,13 @@ impl Pilot<'_> {
         let paths = Candidate::new(path, "paths", paths, &all, &weights);
         let tracing = Candidate::new(traced, "light tracing", tracing, &left, &weights);
         let photons = photons.map(|trial| Candidate::new(photon, "photons", trial, &none, &weights));
-        let mut reasons = vec![tracing.beside(&paths)];
-        reasons.extend(photons.as_ref().map(|p| p.beside(&paths)));
-        let mut reason = format!("{} for the same error", reasons.join(", "));
+        let least = if paths.bounded { "at least " } else { "" };
+        let gain = times(tracing.gain_over(&paths));
+        let mut reason =
+            format!("for the same error paths take {least}{gain} times the work of light tracing");
+        if let Some(photons) = &photons {
+            reason += &format!(", {} times that of photons", times(photons.gain_over(&paths)));
+        }
         let mut best = 0;
         let mut candidates = vec![paths, tracing];
         candidates.extend(photons);
@@ -158,6 +154,18 @@ impl Pilot<'_> {
     fn bias(&mut self, trial: &Trial, weights: &[f64]) -> Result<Verdict, PrepareError> {
         let target = self.asked.error.unwrap_or(USUAL_ERROR);
         let limit = SHARE_OF_BIAS * target;
+        // As many photons as there are in a pass, or as what is left of the pilot's share allows.
+        let paths = trial.rays * f64::from(PASSES) * (WIDTHS.len() + 2) as f64;
+        let least = trial.pixels() as f64;
+        let of_photons = f64::from(PASSES) * trial.rays_of_photon;
+        let room = (self.left() - paths).min(MOST_RAYS_OF_PHOTONS) / of_photons;
+        if room < least {
+            return Ok(Verdict {
+                fits: false,
+                said: "the pilot has no room to see how far the map is off".into(),
+            });
+        }
+        let photons = room.min(f64::from(photons(self.pixels()))) as u32;
         // How long the render will be.
         let samples = match self.asked.error {
             None => LEAST_SAMPLES,
@@ -170,10 +178,10 @@ impl Pilot<'_> {
         let algorithms = Algorithms { caustics: CausticsMode::Photon, ..self.chosen };
         self.ready(algorithms, 0)?;
         let pixel = (trial.pixels() as f64 / self.pixels() as f64).sqrt() as f32;
-        let (narrowed, spent) = narrowed(&self.prepared, PASSES, self.pixels(), pixel);
+        let (narrowed, spent) = narrowed(&self.prepared, PASSES, photons, pixel);
         self.spent += spent;
-        self.trials += 2;
-        let found = Bias::new(&narrowed, weights, Radius::mean_square(samples));
+        self.trials += WIDTHS.len() as u32;
+        let found = Bias::new(&narrowed, weights, samples);
         let fits = found.most <= limit;
         let verdict = if fits { "within" } else { "above" };
         let said = format!(
@@ -203,10 +211,14 @@ impl Pilot<'_> {
         for Promise { about, chosen, otherwise, gain: promised } in promises {
             let (promised, all) = (times(promised), times(gain.factor));
             if kept {
-                let reason = format!("{promised} times less work for the same error; all changes, tried again: {all} times");
+                let reason = format!(
+                    "{promised} times less work for the same error; all changes, tried again: {all} times"
+                );
                 self.decide(about, chosen, reason);
             } else {
-                let reason = format!("{chosen} promised {promised} times less work; all changes, tried again, gave {all} times");
+                let reason = format!(
+                    "{chosen} promised {promised} times less work; all changes, tried again, gave {all} times"
+                );
                 self.decide(about, otherwise, reason);
             }
         }
@@ -217,7 +229,11 @@ impl Pilot<'_> {
         Ok(())
     }
 
-    fn light_samples(&mut self, base: &Trial, wanted: &mut Algorithms) -> Result<Option<Promise>, PrepareError> {
+    fn light_samples(
+        &mut self,
+        base: &Trial,
+        wanted: &mut Algorithms,
+    ) -> Result<Option<Promise>, PrepareError> {
         if self.options.algorithms.light_samples.is_some() {
             return Ok(None);
         }
@@ -249,7 +265,11 @@ impl Pilot<'_> {
         const ABOUT: &str = "splitting";
         if base.through < LEAST_THROUGH {
             let share = percent(base.through);
-            self.decide(ABOUT, "none", format!("{share} of the samples see light in a mirror or through clear glass"));
+            self.decide(
+                ABOUT,
+                "none",
+                format!("{share} of the samples see light in a mirror or through clear glass"),
+            );
             return Ok(None);
         }
         if !self.affords(base, 2.0 + AGAIN) {
@@ -306,7 +326,10 @@ impl Several {
     /// Why one is enough; `two` is what two would be.
     fn not_worth(&self, two: &str) -> String {
         if self.gain_of_two >= 1.0 {
-            format!("{two} would gain less than a tenth, or not surely: {} times less work", times(self.gain_of_two))
+            format!(
+                "{two} would gain less than a tenth, or not surely: {} times less work",
+                times(self.gain_of_two)
+            )
         } else {
             format!("{two} would take {} times the work for the same error", times(1.0 / self.gain_of_two))
         }

@@ -126,12 +126,7 @@ impl Several {
         let ideal = if ideal.is_nan() { 1.0 } else { ideal.clamp(1.0, f64::from(most)) };
         let count = if work(ideal.floor()) <= work(ideal.ceil()) { ideal.floor() } else { ideal.ceil() };
         let gain = |m: f64| if work(m) > 0.0 { work(1.0) / work(m) } else { 1.0 };
-        Self {
-            count: count as u32,
-            gain: gain(count),
-            gain_of_two: gain(2.0),
-            sure: fall > SURE * error,
-        }
+        Self { count: count as u32, gain: gain(count), gain_of_two: gain(2.0), sure: fall > SURE * error }
     }
 
     /// Whether it is worth a change.
@@ -162,6 +157,7 @@ mod tests {
             through: 0.0,
             passes: 4,
             rays,
+            rays_of_photon: 1.0,
             spent: 0,
         }
     }

@@ -255,10 +255,15 @@ impl<'a> Pilot<'a> {
         self.spent as f64 / render.max(1.0)
     }
 
-    /// Whether so many more trials, each of so many times the work of `trial`, are within what the pilot may take.
-    fn affords(&self, trial: &Trial, times: f64) -> bool {
+    /// Rays that the pilot may still take.
+    fn left(&self) -> f64 {
         let render = self.pixels() as f64 * f64::from(LEAST_SAMPLES) * self.rays_of_sample;
-        self.spent as f64 + trial.spent as f64 * times <= SHARE * render
+        SHARE * render - self.spent as f64
+    }
+
+    /// Whether so many times the work of `trial` is within what the pilot may still take.
+    fn affords(&self, trial: &Trial, times: f64) -> bool {
+        trial.spent as f64 * times <= self.left()
     }
 
     fn decide(&mut self, about: &'static str, chosen: impl Into<String>, reason: impl Into<String>) {
@@ -282,5 +287,85 @@ fn percent(x: f64) -> String {
         p if p >= 1.0 => format!("{p:.1} %"),
         p if p >= 0.1 => format!("{p:.2} %"),
         p => format!("{p:.3} %"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::{Quiet, RenderOptions, render};
+    use crate::prepare::EffectsMode;
+    use crate::scene::text::parse_toml;
+    use crate::scene::{complete, validate};
+
+    fn scene(text: &str) -> Scene {
+        let mut scene = parse_toml(text).expect("a scene").0;
+        validate(&mut scene).expect("a valid scene");
+        complete(&mut scene);
+        scene
+    }
+
+    fn options(size: [u32; 2], algorithms: Algorithms) -> Options {
+        Options {
+            camera: None,
+            size,
+            seed: 5,
+            effects: EffectsMode::Auto,
+            max_depth: None,
+            transparent: false,
+            algorithms,
+        }
+    }
+
+    const SIZE: [u32; 2] = [128, 112];
+
+    /// Guards that the plan is a function of scene and options: threads and samples from 64 on change nothing, and a
+    /// pilot stays within its share.
+    #[test]
+    fn one_plan_for_all_samples() {
+        let room = scene(include_str!("../../scenes/hexroom.toml"));
+        let options = options(SIZE, Algorithms::default());
+        let with = |samples, threads| {
+            plan(&room, &options, &Asked { samples, error: None, threads }).expect("a camera")
+        };
+        let found = with(Some(64), 1);
+        assert_eq!(found, with(Some(100_000), 2));
+        assert_eq!(found, with(None, 3));
+        let pilot = found.choices.iter().find(|c| c.about == "pilot").expect("a pilot");
+        let share: f64 = pilot.chosen.split(' ').next().and_then(|n| n.parse().ok()).expect("a number");
+        assert!(share > 0.1 && share <= 100.0 * SHARE, "{pilot:?}");
+    }
+
+    /// Guards that what a pilot leaves behind is what its plan would be prepared to, and nothing of the pilot.
+    #[test]
+    fn a_pilot_leaves_nothing_but_its_plan() {
+        for text in [include_str!("../../scenes/caustic.toml"), include_str!("../../scenes/cornell.toml")] {
+            let (scene, options) = (scene(text), options(SIZE, Algorithms::default()));
+            let after = prepare(&scene, &options, &Asked::samples(64)).expect("a camera");
+            let anew = prepare_planned(&scene, &options, after.plan.clone()).expect("a camera");
+            let film = |prepared: &Prepared| {
+                render(prepared, &RenderOptions::passes(0..2), &Quiet).expect("passes").film
+            };
+            assert!(film(&after) == film(&anew));
+        }
+    }
+
+    /// Guards when no pilot runs: below 64 samples, in small pictures, and where nothing is left to choose.
+    #[test]
+    fn no_pilot_where_none_pays() {
+        let room = scene(include_str!("../../scenes/cornell.toml"));
+        let ran = |options: &Options, asked: Asked| {
+            let plan = plan(&room, options, &asked).expect("a camera");
+            plan.choices.iter().any(|c| c.about == "pilot")
+        };
+        let open = options(SIZE, Algorithms::default());
+        assert!(ran(&open, Asked::default()));
+        assert!(ran(&open, Asked::samples(64)));
+        assert!(!ran(&open, Asked::samples(63)));
+        assert!(!ran(&options([64, 48], Algorithms::default()), Asked::samples(64)));
+        assert!(!ran(&options(SIZE, Algorithms::PATHS), Asked::samples(64)));
+        // Without a pilot the plan is the one of `analyse`.
+        let camera = camera_of(&room, &open).expect("a camera");
+        assert_eq!(plan(&room, &open, &Asked::samples(8)).expect("a camera"), analyse(&room, camera, &open));
     }
 }

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use crate::integrate::{Probe, Radius};
+use crate::integrate::{Probe, Radius, photons};
 use crate::prepare::Prepared;
 
 /// Replications of a trial.
@@ -33,6 +33,8 @@ pub(super) struct Trial {
     pub(super) passes: u32,
     /// Rays of a pass, those of photons included.
     pub(super) rays: f64,
+    /// Rays of a photon.
+    pub(super) rays_of_photon: f64,
     /// Rays of all passes.
     pub(super) spent: u64,
 }
@@ -48,8 +50,9 @@ impl Trial {
     /// Renders some passes, as many for each replication, with as many photons for each pixel as a picture of
     /// `pixels` has.
     pub(super) fn run(scene: &Prepared, passes: Range<u32>, pixels: u64) -> Self {
-        let probe = Probe::new(scene, pixels);
         let count = scene.size[0] as usize * scene.size[1] as usize;
+        let each_pass = (count as u64 * u64::from(photons(pixels)) / pixels.max(1)).max(1) as u32;
+        let probe = Probe::new(scene, each_pass);
         let n = f64::from(passes.end - passes.start);
         let each = REPLICATIONS as f64 / n;
         let mut trial = Self {
@@ -61,6 +64,7 @@ impl Trial {
             through: 0.0,
             passes: passes.end - passes.start,
             rays: 0.0,
+            rays_of_photon: 0.0,
             spent: 0,
         };
         let mut through = 0u64;
@@ -68,6 +72,7 @@ impl Trial {
             let r = pass as usize % REPLICATIONS;
             let [photons] = probe.photons(pass, [Radius::of(pass)]);
             trial.spent += photons.rays;
+            trial.rays_of_photon += photons.rays as f64 / (n * f64::from(each_pass));
             for (i, found) in probe.pass(pass, &photons).into_iter().enumerate() {
                 trial.all[i][r] += found.luminance * each;
                 trial.others[i][r] += (found.luminance - found.caustics) * each;
@@ -99,23 +104,31 @@ impl Trial {
     }
 }
 
-/// What a photon map's disks of a given width change: for each pixel and replication, the light that is gathered
-/// from disks of the first pass of a picture whose pixels are `pixel` of those of `scene` wide, less that
-/// from disks of half their radius; and the rays that it took.
-pub(super) fn narrowed(scene: &Prepared, passes: u32, pixels: u64, pixel: f32) -> (Vec<Means>, u64) {
-    let probe = Probe::new(scene, pixels);
+/// Factors on the radius of a photon map, each half of the one before it, down to its own.
+pub(super) const WIDTHS: [f32; 3] = [4.0, 2.0, 1.0];
+
+/// What narrower disks change: for each pixel and replication, the light that is gathered from disks of each of
+/// [`WIDTHS`] but the last, less that from disks of the next.
+pub(super) type Narrowed = [Vec<Means>; WIDTHS.len() - 1];
+
+/// Renders with the maps of some passes, of so many photons each, whose disks are those of the first pass of a
+/// picture whose pixels are `pixel` of those of `scene` wide, and wider; gives what narrower ones change, and rays.
+pub(super) fn narrowed(scene: &Prepared, passes: u32, photons: u32, pixel: f32) -> (Narrowed, u64) {
+    let probe = Probe::new(scene, photons);
     let each = REPLICATIONS as f64 / f64::from(passes);
-    let mut differences = vec![Means::default(); scene.size[0] as usize * scene.size[1] as usize];
+    let count = scene.size[0] as usize * scene.size[1] as usize;
+    let mut differences = Narrowed::default().map(|_| vec![Means::default(); count]);
     let mut spent = 0;
     for pass in 0..passes {
         let r = pass as usize % REPLICATIONS;
-        let radii = [1.0, 0.5].map(|factor| Radius { factor, pixel });
-        let photons = probe.photons(pass, radii);
+        let photons = probe.photons(pass, WIDTHS.map(|factor| Radius { factor, pixel }));
         spent += photons[0].rays;
-        let [wide, narrow] = [0, 1].map(|i| probe.pass(pass, &photons[i]));
-        for (d, (a, b)) in differences.iter_mut().zip(wide.iter().zip(&narrow)) {
-            d[r] += (a.caustics - b.caustics) * each;
-            spent += a.rays + b.rays;
+        let pictures = photons.map(|photons| probe.pass(pass, &photons));
+        spent += pictures.iter().flatten().map(|found| found.rays).sum::<u64>();
+        for (differences, pair) in differences.iter_mut().zip(pictures.windows(2)) {
+            for (d, (wide, narrow)) in differences.iter_mut().zip(pair[0].iter().zip(&pair[1])) {
+                d[r] += (wide.caustics - narrow.caustics) * each;
+            }
         }
     }
     (differences, spent)

@@ -2,6 +2,7 @@
 //! and roulette from elsewhere, against one of each.
 
 use epsilux::film::Image;
+use epsilux::glam::DVec3;
 use epsilux::integrate::{Quiet, RenderOptions, render};
 use epsilux::prepare::{Algorithms, CausticsMode, Options, prepare};
 use epsilux::scene::text::parse_toml;
@@ -19,7 +20,8 @@ fn picture(pair: &Pair<'_>, algorithms: Algorithms, number: u64, samples: u32) -
     let chosen = (prepared.plan.light_samples, prepared.plan.split, prepared.plan.roulette);
     let asked = (algorithms.light_samples, algorithms.split, algorithms.roulette);
     assert_eq!((Some(chosen.0), Some(chosen.1), Some(chosen.2)), asked);
-    let outcome = render(&prepared, &RenderOptions { threads: 1, ..RenderOptions::passes(0..samples) }, &Quiet);
+    let outcome =
+        render(&prepared, &RenderOptions { threads: 1, ..RenderOptions::passes(0..samples) }, &Quiet);
     let outcome = outcome.expect("passes");
     assert_eq!(outcome.film.refused_total(), 0, "{}: {:?}", pair.name, outcome.bad);
     outcome.film.to_image()
@@ -69,7 +71,12 @@ fn several_samples_of_every_light() {
             }
         }
     }
-    check(glossy.into_iter().map(|(name, scene)| (format!("glossy, {name}"), scene)).collect(), LIGHTS, 256, 0.2);
+    check(
+        glossy.into_iter().map(|(name, scene)| (format!("glossy, {name}"), scene)).collect(),
+        LIGHTS,
+        256,
+        0.2,
+    );
     check(features::panoramas(), LIGHTS, 512, 0.2);
     check(textured::emissive(), LIGHTS, 256, 0.1);
 }
@@ -103,9 +110,11 @@ fn splitting_where_glass_is_not_all_there() {
 /// Guards what the choices do together, and what features do to each other.
 #[test]
 fn all_choices_at_once() {
-    let scenes = [("everything", features::everything()), ("everything textured", textured::everything_textured())];
+    let scenes =
+        [("everything", features::everything()), ("everything textured", textured::everything_textured())];
     check(scenes.map(|(name, scene)| (name.to_owned(), scene)).to_vec(), ALL, 512, 0.15);
-    let file = |name: &str, text: &str| (name.to_owned(), parse_toml(text).expect("a scene of the project").0);
+    let file =
+        |name: &str, text: &str| (name.to_owned(), parse_toml(text).expect("a scene of the project").0);
     let rooms = vec![
         file("cornell", include_str!("../../scenes/cornell.toml")),
         file("materials", include_str!("../../scenes/materials.toml")),
@@ -117,7 +126,7 @@ fn all_choices_at_once() {
 #[test]
 fn splitting_with_a_photon_map() {
     let mut scene = features::stage();
-    scene.sphere(features::MIDDLE + 1.6 * epsilux::glam::DVec3::X, 0.6, glass(1.5));
+    scene.sphere(features::MIDDLE + 1.6 * DVec3::X, 0.6, glass(1.5));
     let photons = |of: Algorithms| Algorithms { caustics: CausticsMode::Photon, ..of };
     check_by(vec![("a map, split".to_owned(), scene)], photons(Algorithms::PATHS), photons(ALL), 512, 0.1);
 }

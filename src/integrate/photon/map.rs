@@ -205,7 +205,8 @@ mod tests {
     fn the_tree_finds_what_is_there() {
         for n in [0, 1, 8, 9, 17, 1000, 4097] {
             let all = photons(n);
-            let map = PhotonMap::new(all.clone(), Scale { factor: 1.0, pixel: 1.0, nearest: 1.0, smallest: 1.0 });
+            let map =
+                PhotonMap::new(all.clone(), Scale { factor: 1.0, pixel: 1.0, nearest: 1.0, smallest: 1.0 });
             for (i, r) in [(3u64, 0.05f32), (10, 0.3), (77, 0.0), (5, 2.0)] {
                 let p = photons(i + 1)[i as usize].p;
                 let mut found = Vec::new();

@@ -38,7 +38,7 @@ const CHUNK: u32 = 4096;
 
 /// Photons of one pass of a picture of this many pixels: one for each, so that neither tracing them nor
 /// looking them up outweighs the paths.
-fn photons(pixels: u64) -> u32 {
+pub(crate) fn photons(pixels: u64) -> u32 {
     pixels.min(MOST_PHOTONS) as u32
 }
 
@@ -57,15 +57,16 @@ impl Radius {
         Self { factor: map::radius_scale(pass), pixel: 1.0 }
     }
 
-    /// The mean over so many passes of the square of the factor, which bias is proportional to.
-    pub(crate) fn mean_square(passes: u32) -> f64 {
-        let squares = (0..passes).scan(1.0, |square, pass| {
+    /// The mean over so many passes of a power of the factor.
+    pub(crate) fn mean_power(passes: u32, exponent: f64) -> f64 {
+        let mut square = 1.0;
+        let powers = (0..passes).map(|pass| {
             if pass > 0 {
-                *square *= map::shrink(pass);
+                square *= map::shrink(pass);
             }
-            Some(*square)
+            libm::pow(square, 0.5 * exponent)
         });
-        squares.sum::<f64>() / f64::from(passes.max(1))
+        powers.sum::<f64>() / f64::from(passes.max(1))
     }
 }
 
@@ -94,10 +95,9 @@ impl<'a> Tracer<'a> {
         Some(Self { scene, casting, crop, photons: photons(pixels) })
     }
 
-    /// With as many photons for each pixel as a picture of so many pixels has.
-    pub(super) fn as_for(self, pixels: u64) -> Self {
-        let share = u64::from(self.photons) * u64::from(photons(pixels)) / pixels.max(1);
-        Self { photons: (share as u32).max(1), ..self }
+    /// With so many photons in a pass.
+    pub(super) fn with(self, photons: u32) -> Self {
+        Self { photons: photons.max(1), ..self }
     }
 
     /// Parts that the photons of a pass are traced in.
