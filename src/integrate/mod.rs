@@ -22,7 +22,7 @@ pub(crate) use direct::mis_weight;
 pub use kernels::{Kernel, LiFn, kernel};
 pub use li::{Counters, Layers};
 pub(crate) use photon::{Radius, photons};
-pub(crate) use probe::Probe;
+pub(crate) use probe::{Probe, Probed};
 pub use render::{
     BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, layout, render,
     render_onto, replay,

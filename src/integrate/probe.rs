@@ -23,6 +23,8 @@ pub(crate) struct Probed {
     pub(crate) through: bool,
     /// Rays that it took.
     pub(crate) rays: u64,
+    /// Photons that it gathered.
+    pub(crate) gathered: u64,
 }
 
 /// The photons of a pass.
@@ -87,6 +89,7 @@ impl<'a> Probe<'a> {
                 caustics: f64::from(layers[LightLayer::Caustic as usize].luminance()),
                 through: !layers[LightLayer::Glass as usize].is_black(),
                 rays: counters.rays,
+                gathered: counters.gathered,
             }
         };
         (0..width * height).into_par_iter().with_min_len(16).map(one).collect()

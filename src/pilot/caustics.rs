@@ -91,7 +91,7 @@ mod tests {
             passes: 5,
             rays: 1.0,
             rays_of_photon: 1.0,
-            spent: 1,
+            spent: 1.0,
         };
         // Ten pixels, five samples, two units a sample: a hundred units.
         let (light, weights) = ([2.0; 10], [1.0; 10]);

@@ -72,6 +72,8 @@ struct Promise {
     /// What is chosen where the promise is not kept.
     otherwise: String,
     gain: f64,
+    /// What it makes of the rays of a pass, as a factor.
+    rays: f64,
 }
 
 impl Pilot<'_> {
@@ -182,8 +184,15 @@ impl Pilot<'_> {
         self.spent += spent;
         self.trials += WIDTHS.len() as u32;
         let found = Bias::new(&narrowed, weights, samples);
-        let fits = found.most <= limit;
-        let verdict = if fits { "within" } else { "above" };
+        // A figure that noise may have made says nothing.
+        let fits = found.estimate <= limit && found.most <= 2.0 * limit;
+        let verdict = if fits {
+            "within"
+        } else if found.estimate <= limit {
+            "too unsure for"
+        } else {
+            "above"
+        };
         let said = format!(
             "the map is off by {}, at most {}, {verdict} the {} allowed",
             percent(found.estimate),
@@ -203,12 +212,19 @@ impl Pilot<'_> {
         if promises.is_empty() {
             return Ok(());
         }
+        let rays: f64 = promises.iter().map(|p| p.rays).product();
+        if !self.affords(base, 1.0 + rays) {
+            for Promise { about, otherwise, .. } in promises {
+                self.decide(about, otherwise, NOT_TRIED);
+            }
+            return Ok(());
+        }
         // All of them together, with other numbers.
         let (before, after) = (self.try_out(self.chosen, 1)?, self.try_out(wanted, 1)?);
         let Some(weights) = self.truth.weights() else { return Ok(()) };
         let gain = Gain::new(&before, &after, &weights);
         let kept = gain.bears_out();
-        for Promise { about, chosen, otherwise, gain: promised } in promises {
+        for Promise { about, chosen, otherwise, gain: promised, .. } in promises {
             let (promised, all) = (times(promised), times(gain.factor));
             if kept {
                 let reason = format!(
@@ -252,14 +268,20 @@ impl Pilot<'_> {
         if found.is_worth() {
             wanted.light_samples = Some(found.count);
             let chosen = found.count.to_string();
-            return Ok(Some(Promise { about: ABOUT, chosen, otherwise: "1".into(), gain: found.gain }));
+            return Ok(Some(Promise {
+                about: ABOUT,
+                chosen,
+                otherwise: "1".into(),
+                gain: found.gain,
+                rays: found.rays,
+            }));
         }
         self.decide(ABOUT, "1", found.not_worth("two"));
         Ok(None)
     }
 
     fn splitting(&mut self, base: &Trial, wanted: &mut Algorithms) -> Result<Option<Promise>, PrepareError> {
-        if self.options.algorithms.split.is_some() || !self.throws {
+        if self.options.algorithms.split.is_some() || base.through == 0.0 {
             return Ok(None);
         }
         const ABOUT: &str = "splitting";
@@ -282,7 +304,13 @@ impl Pilot<'_> {
         if found.is_worth() {
             wanted.split = Some(found.count);
             let chosen = format!("{} ways", found.count);
-            return Ok(Some(Promise { about: ABOUT, chosen, otherwise: "none".into(), gain: found.gain }));
+            return Ok(Some(Promise {
+                about: ABOUT,
+                chosen,
+                otherwise: "none".into(),
+                gain: found.gain,
+                rays: found.rays,
+            }));
         }
         self.decide(ABOUT, "none", found.not_worth("two ways"));
         Ok(None)
@@ -295,7 +323,7 @@ impl Pilot<'_> {
         const ABOUT: &str = "roulette";
         let from = |event: u32| format!("from event {event}");
         let usual = from(ROULETTE_START);
-        let mut best: Option<(u32, f64)> = None;
+        let mut best: Option<(u32, f64, f64)> = None;
         let mut said = Vec::new();
         for start in ROULETTE_STARTS {
             if !self.affords(base, 1.0 + AGAIN) {
@@ -305,13 +333,13 @@ impl Pilot<'_> {
             let Some(weights) = self.truth.weights() else { return Ok(None) };
             let gain = Gain::new(base, &trial, &weights);
             said.push(format!("{} {}", from(start), times(1.0 / gain.factor)));
-            if gain.is_sure() && best.is_none_or(|(_, known)| gain.factor > known) {
-                best = Some((start, gain.factor));
+            if gain.is_sure() && best.is_none_or(|(_, known, _)| gain.factor > known) {
+                best = Some((start, gain.factor, trial.rays / base.rays));
             }
         }
-        if let Some((start, gain)) = best {
+        if let Some((start, gain, rays)) = best {
             wanted.roulette = Some(start);
-            return Ok(Some(Promise { about: ABOUT, chosen: from(start), otherwise: usual, gain }));
+            return Ok(Some(Promise { about: ABOUT, chosen: from(start), otherwise: usual, gain, rays }));
         }
         let reason = match said.len() {
             0 => NOT_TRIED.to_owned(),

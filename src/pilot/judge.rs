@@ -103,6 +103,8 @@ pub(super) struct Several {
     pub(super) gain: f64,
     /// The same for two.
     pub(super) gain_of_two: f64,
+    /// Rays of a pass with so many, over those with one.
+    pub(super) rays: f64,
     /// Whether the part carries any noise, surely.
     pub(super) sure: bool,
 }
@@ -126,7 +128,13 @@ impl Several {
         let ideal = if ideal.is_nan() { 1.0 } else { ideal.clamp(1.0, f64::from(most)) };
         let count = if work(ideal.floor()) <= work(ideal.ceil()) { ideal.floor() } else { ideal.ceil() };
         let gain = |m: f64| if work(m) > 0.0 { work(1.0) / work(m) } else { 1.0 };
-        Self { count: count as u32, gain: gain(count), gain_of_two: gain(2.0), sure: fall > SURE * error }
+        Self {
+            count: count as u32,
+            gain: gain(count),
+            gain_of_two: gain(2.0),
+            rays: (rest_rays + count * part_rays) / one.rays,
+            sure: fall > SURE * error,
+        }
     }
 
     /// Whether it is worth a change.
@@ -158,7 +166,7 @@ mod tests {
             passes: 4,
             rays,
             rays_of_photon: 1.0,
-            spent: 0,
+            spent: 0.0,
         }
     }
 

@@ -143,7 +143,7 @@ struct Pilot<'a> {
     prepared: Prepared,
     truth: Truth,
     /// Rays so far, and those of a sample as it would now be taken.
-    spent: u64,
+    spent: f64,
     rays_of_sample: f64,
     trials: u32,
     /// What is chosen so far.
@@ -184,7 +184,7 @@ impl<'a> Pilot<'a> {
             throws: throws(scene, options)?,
             prepared,
             truth: Truth::default(),
-            spent: 0,
+            spent: 0.0,
             rays_of_sample: 0.0,
             trials: 0,
             chosen,
@@ -252,18 +252,18 @@ impl<'a> Pilot<'a> {
     /// Share of the work of [`LEAST_SAMPLES`] by the choices so far that the pilot has taken.
     fn share(&self) -> f64 {
         let render = self.pixels() as f64 * f64::from(LEAST_SAMPLES) * self.rays_of_sample;
-        self.spent as f64 / render.max(1.0)
+        self.spent / render.max(1.0)
     }
 
     /// Rays that the pilot may still take.
     fn left(&self) -> f64 {
         let render = self.pixels() as f64 * f64::from(LEAST_SAMPLES) * self.rays_of_sample;
-        SHARE * render - self.spent as f64
+        SHARE * render - self.spent
     }
 
     /// Whether so many times the work of `trial` is within what the pilot may still take.
     fn affords(&self, trial: &Trial, times: f64) -> bool {
-        trial.spent as f64 * times <= self.left()
+        trial.spent * times <= self.left()
     }
 
     fn decide(&mut self, about: &'static str, chosen: impl Into<String>, reason: impl Into<String>) {

@@ -5,8 +5,12 @@
 
 use std::ops::Range;
 
-use crate::integrate::{Probe, Radius, photons};
+use crate::integrate::{Probe, Probed, Radius, photons};
 use crate::prepare::Prepared;
+
+/// Rays that a photon takes as long as, which is gathered from a map: what the scenes of the project take with maps,
+/// less what their rays take.
+const RAYS_OF_GATHERED: f64 = 0.1;
 
 /// Replications of a trial.
 pub(super) const REPLICATIONS: usize = 4;
@@ -31,12 +35,17 @@ pub(super) struct Trial {
     pub(super) through: f64,
     /// Samples of a pixel.
     pub(super) passes: u32,
-    /// Rays of a pass, those of photons included.
+    /// Rays of a pass, those of photons included, and what gathering them counts as.
     pub(super) rays: f64,
     /// Rays of a photon.
     pub(super) rays_of_photon: f64,
     /// Rays of all passes.
-    pub(super) spent: u64,
+    pub(super) spent: f64,
+}
+
+/// Rays of a sample, and what gathering photons counts as.
+fn work(found: &Probed) -> f64 {
+    found.rays as f64 + RAYS_OF_GATHERED * found.gathered as f64
 }
 
 /// The variance of the mean over the replications.
@@ -65,13 +74,13 @@ impl Trial {
             passes: passes.end - passes.start,
             rays: 0.0,
             rays_of_photon: 0.0,
-            spent: 0,
+            spent: 0.0,
         };
         let mut through = 0u64;
         for pass in passes {
             let r = pass as usize % REPLICATIONS;
             let [photons] = probe.photons(pass, [Radius::of(pass)]);
-            trial.spent += photons.rays;
+            trial.spent += photons.rays as f64;
             trial.rays_of_photon += photons.rays as f64 / (n * f64::from(each_pass));
             for (i, found) in probe.pass(pass, &photons).into_iter().enumerate() {
                 trial.all[i][r] += found.luminance * each;
@@ -79,7 +88,7 @@ impl Trial {
                 trial.met[i] += found.caustics / n;
                 trial.events[0] += found.caustics;
                 trial.events[1] += found.caustics * found.caustics;
-                trial.spent += found.rays;
+                trial.spent += work(&found);
                 through += u64::from(found.through);
             }
             for &(pixel, luminance) in &photons.splats {
@@ -88,7 +97,7 @@ impl Trial {
                 trial.thrown[pixel as usize] += luminance / n;
             }
         }
-        trial.rays = trial.spent as f64 / n;
+        trial.rays = trial.spent / n;
         trial.through = through as f64 / (n * count as f64);
         trial
     }
@@ -113,18 +122,18 @@ pub(super) type Narrowed = [Vec<Means>; WIDTHS.len() - 1];
 
 /// Renders with the maps of some passes, of so many photons each, whose disks are those of the first pass of a
 /// picture whose pixels are `pixel` of those of `scene` wide, and wider; gives what narrower ones change, and rays.
-pub(super) fn narrowed(scene: &Prepared, passes: u32, photons: u32, pixel: f32) -> (Narrowed, u64) {
+pub(super) fn narrowed(scene: &Prepared, passes: u32, photons: u32, pixel: f32) -> (Narrowed, f64) {
     let probe = Probe::new(scene, photons);
     let each = REPLICATIONS as f64 / f64::from(passes);
     let count = scene.size[0] as usize * scene.size[1] as usize;
     let mut differences = Narrowed::default().map(|_| vec![Means::default(); count]);
-    let mut spent = 0;
+    let mut spent = 0.0;
     for pass in 0..passes {
         let r = pass as usize % REPLICATIONS;
         let photons = probe.photons(pass, WIDTHS.map(|factor| Radius { factor, pixel }));
-        spent += photons[0].rays;
+        spent += photons[0].rays as f64;
         let pictures = photons.map(|photons| probe.pass(pass, &photons));
-        spent += pictures.iter().flatten().map(|found| found.rays).sum::<u64>();
+        spent += pictures.iter().flatten().map(work).sum::<f64>();
         for (differences, pair) in differences.iter_mut().zip(pictures.windows(2)) {
             for (d, (wide, narrow)) in differences.iter_mut().zip(pair[0].iter().zip(&pair[1])) {
                 d[r] += (wide.caustics - narrow.caustics) * each;

@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::trace::{Photon, cosine_ratio};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
-use crate::integrate::li::interior;
+use crate::integrate::li::{Counters, interior};
 use crate::integrate::scatter;
 use crate::light::LightContext;
 use crate::math::INV_PI;
@@ -154,6 +154,7 @@ pub(in crate::integrate) fn caustics_at(
     context: &LightContext,
     media: [Medium; 2],
     (depth, spread): (u32, bool),
+    counters: &mut Counters,
 ) -> Rgb {
     let r = map.radius(scene, context.p, spread);
     let inv_r2 = 1.0 / (r * r);
@@ -161,6 +162,7 @@ pub(in crate::integrate) fn caustics_at(
     let most = scene.max_depth.map_or(u32::MAX, |cap| cap.saturating_sub(depth + 1));
     let mut sum = Rgb::BLACK;
     map.within(context.p, r, &mut |photon, d2| {
+        counters.gathered += 1;
         if photon.ng.dot(context.ng) < SAME_SURFACE || photon.bounces > most {
             return;
         }
