@@ -7,7 +7,7 @@ use super::args::ExplainArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::notes::{self, NoteJson};
-use super::schema::to_json;
+use super::schema::{to_json, to_json_line};
 use super::{Code, load, render};
 use crate::prepare::{Options, Plan, analyse};
 use crate::report::{Explanation, PlanFacts};
@@ -65,8 +65,7 @@ pub(super) struct Record {
 /// What a picture says of the plan that made it.
 pub(super) fn record(plan: &Plan) -> Result<Record, Failure> {
     let facts = PlanFacts::from(plan).of_picture();
-    let json =
-        serde_json::to_string(&facts).map_err(|e| Failure::write(format!("cannot write JSON: {e}")))?;
+    let json = to_json_line(&facts)?;
     let sha256 = Sha256::digest(&json).iter().map(|byte| format!("{byte:02x}")).collect();
     Ok(Record { json, sha256 })
 }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::doubt::DoubtJson;
 use super::notes::NoteJson;
 use crate::film::ErrorEstimate;
 use crate::report::PlanFacts;
@@ -44,16 +45,20 @@ pub(super) struct Report<'a> {
 }
 
 /// The estimated error of the picture.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Serialize)]
 pub(super) struct ErrorJson {
     error: f64,
     interval: [f64; 2],
     trusted: bool,
+    /// Why not.
+    doubt: Option<DoubtJson>,
 }
 
-impl From<ErrorEstimate> for ErrorJson {
-    fn from(e: ErrorEstimate) -> Self {
-        Self { error: e.error, interval: e.interval, trusted: e.trusted }
+impl ErrorJson {
+    /// Of a picture whose lights are told apart by these names.
+    pub(super) fn new(e: &ErrorEstimate, lights: &[String]) -> Self {
+        let doubt = e.doubt.as_ref().map(|d| DoubtJson::new(d, lights));
+        Self { error: e.error, interval: e.interval, trusted: e.trusted, doubt }
     }
 }
 

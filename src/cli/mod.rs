@@ -10,6 +10,7 @@ mod compare;
 mod console;
 mod convert;
 mod demo;
+mod doubt;
 mod explain;
 mod failure;
 mod golden;

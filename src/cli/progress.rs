@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::args::ProgressArg;
 use super::console::Console;
+use super::doubt::DoubtJson;
 use super::units::show_time;
 use crate::integrate::{Control, Progress};
 
@@ -27,6 +28,9 @@ struct Line {
     seconds: f64,
     seconds_left: Option<f64>,
     mrays_per_second: f64,
+    /// Why the last estimate of the error cannot be trusted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    doubt: Option<DoubtJson>,
 }
 
 /// Steps of the bar.
@@ -67,6 +71,7 @@ impl<'a> Display<'a> {
                     seconds,
                     seconds_left: left,
                     mrays_per_second,
+                    doubt: p.error.and_then(|(e, _)| e.doubt).map(|d| DoubtJson::new(&d, &[])),
                 };
                 if let Ok(line) = serde_json::to_string(&line) {
                     console.message(&line);

@@ -15,17 +15,17 @@ use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_l
 use super::notes;
 use super::progress::{Display, Watch};
 use super::saver::{Saved, Saver};
-use super::schema::to_json;
+use super::schema::{to_json, to_json_line};
 use super::signal::Stop;
 use super::stated::Stated;
 use super::units::{show_share, show_time};
-use crate::film::{Film, Image, Refusal};
+use crate::film::{Doubt, Film, Image, Refusal};
 use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
 use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tracer, rays_per_pixel};
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
 use crate::part::Identity;
-use crate::prepare::{self, EffectsMode, Plan, PrepareError, Prepared};
+use crate::prepare::{self, Caustics, EffectsMode, Plan, PrepareError, Prepared};
 use crate::report::Explanation;
 use crate::scene::{Camera, Note, Scene, sha256};
 
@@ -158,10 +158,10 @@ struct Rendered {
 
 impl Rendered {
     /// From a render whose film held the passes from `first` on before.
-    fn new(outcome: Outcome, first: u32, plan: Plan) -> Self {
+    fn new(outcome: Outcome, first: u32, plan: Plan, lights: &[String]) -> Self {
         Self {
             image: outcome.film.to_image(),
-            stated: Stated::of_outcome(&outcome, first),
+            stated: Stated::of_outcome(&outcome, first, lights),
             plan,
             added: outcome.passes.end - outcome.passes.start,
             reached: outcome.reached,
@@ -273,7 +273,8 @@ impl Job {
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
-        rendered.image.attributes = rendered.stated.attributes(&self.identity(&rendered.plan, &hash)?);
+        let identity = self.identity(&rendered.plan, &rendered.stated.lights, &hash)?;
+        rendered.image.attributes = rendered.stated.attributes(&identity);
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
         for path in &self.outputs {
@@ -349,7 +350,7 @@ impl Job {
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
         };
-        let identity = self.identity(&prepared.plan, hash)?;
+        let identity = self.identity(&prepared.plan, prepared.lights_apart(), hash)?;
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);
         let mut film = Film::new(integrate::layout(&prepared, &options));
         let mut saver = None;
@@ -371,7 +372,8 @@ impl Job {
         if let Some(saver) = &saver {
             saver.finish(&outcome)?;
         }
-        Ok((Rendered::new(outcome, self.first, prepared.plan.clone()), seconds))
+        let lights = prepared.lights_apart();
+        Ok((Rendered::new(outcome, self.first, prepared.plan.clone(), lights), seconds))
     }
 
     /// The report's method; what it renders otherwise is added to the notes.
@@ -410,7 +412,8 @@ impl Job {
         }
         notes.extend(tracer.notes().iter().cloned());
         let outcome = tracer.render(&options, watch).map_err(failure)?;
-        Ok(Rendered::new(outcome, 0, prepare::analyse(scene, &scene.cameras[camera], &self.prepare)))
+        let plan = prepare::analyse(scene, &scene.cameras[camera], &self.prepare);
+        Ok(Rendered::new(outcome, 0, plan, &[]))
     }
 
     fn camera_index(&self, scene: &Scene) -> usize {
@@ -453,7 +456,7 @@ impl Job {
         let partial = image.count.as_ref().is_some_and(|c| c.contains(&0));
         Ok(Rendered {
             image,
-            stated: Stated { passes: std::iter::once(0..self.passes).collect(), partial, error: None },
+            stated: Stated { passes: std::iter::once(0..self.passes).collect(), partial, ..Stated::default() },
             plan: prepare::analyse(scene, &scene.cameras[index], &self.prepare),
             added: self.passes,
             reached: false,
@@ -466,7 +469,7 @@ impl Job {
 
     /// What the picture is of: all that samples depend on. The kernel is not among it, since it never changes the
     /// picture.
-    fn identity(&self, plan: &Plan, hash: &str) -> Result<Identity, Failure> {
+    fn identity(&self, plan: &Plan, lights: &[String], hash: &str) -> Result<Identity, Failure> {
         let effects = plan.needs.iter().map(|n| n.effect.name()).collect::<Vec<_>>().join(", ");
         let mut list = vec![
             ("software", software()),
@@ -488,7 +491,7 @@ impl Job {
         }
         if self.method == Method::Default {
             let Record { json, sha256 } = explain::record(plan)?;
-            list.extend([("plan", json), ("plan_sha256", sha256)]);
+            list.extend([("plan", json), ("plan_sha256", sha256), ("lights", to_json_line(lights)?)]);
         }
         Ok(Identity(list.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()))
     }
@@ -526,7 +529,7 @@ impl Job {
             seed: self.prepare.seed,
             passes: rendered.stated.passes.first().map_or([0, 0], |r| [r.start, r.end]),
             partial: rendered.stated.partial,
-            error: rendered.stated.error.map(ErrorJson::from),
+            error: rendered.stated.error.map(|e| ErrorJson::new(&e, &rendered.stated.lights)),
             stopped_by_signal,
             seconds,
             threads: rendered.threads,
@@ -571,6 +574,12 @@ impl Job {
                 line += &format!("; {} was asked for", show_share(target));
             }
             console.message(&line);
+        }
+        let doubt = rendered.stated.error.and_then(|e| e.doubt);
+        if matches!(doubt, Some(Doubt::LightNotFound { caustic: true, .. }))
+            && rendered.plan.caustics == Caustics::Path
+        {
+            console.message("help: --algorithm caustics=photon finds it");
         }
         if rendered.stated.partial {
             console.message("note: not one sample of every pixel is done; the picture is partial");

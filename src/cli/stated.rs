@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use super::doubt::words;
 use super::units::{show_passes, show_share};
-use crate::film::{ErrorEstimate, Film};
+use crate::film::{Doubt, ErrorEstimate, Film};
 use crate::integrate::Outcome;
 use crate::part::Identity;
 
@@ -16,18 +17,20 @@ pub(super) struct Stated {
     pub(super) partial: bool,
     /// The error, where it can be estimated.
     pub(super) error: Option<ErrorEstimate>,
+    /// Names of the lights that are told apart where light was not found.
+    pub(super) lights: Vec<String>,
 }
 
 impl Stated {
     /// Of a film with these passes.
-    pub(super) fn of(film: &Film, passes: Vec<Range<u32>>, partial: bool) -> Self {
-        Self { passes, partial, error: film.error().filter(|_| !partial) }
+    pub(super) fn of(film: &Film, passes: Vec<Range<u32>>, partial: bool, lights: &[String]) -> Self {
+        Self { passes, partial, error: film.error().filter(|_| !partial), lights: lights.to_vec() }
     }
 
     /// Of a render whose film held the passes from `first` on before.
-    pub(super) fn of_outcome(outcome: &Outcome, first: u32) -> Self {
+    pub(super) fn of_outcome(outcome: &Outcome, first: u32, lights: &[String]) -> Self {
         let passes = std::iter::once(first..outcome.passes.end).collect();
-        Self::of(&outcome.film, passes, outcome.partial)
+        Self::of(&outcome.film, passes, outcome.partial, lights)
     }
 
     /// The attributes of an image file.
@@ -42,6 +45,9 @@ impl Stated {
             add("error", format!("{:.3e}", e.error));
             add("error_interval", format!("{:.3e}..{:.3e}", e.interval[0], e.interval[1]));
             add("error_trusted", e.trusted.to_string());
+            if let Some(doubt) = &e.doubt {
+                add("error_doubt", words(doubt, &self.lights));
+            }
         }
         list
     }
@@ -50,13 +56,16 @@ impl Stated {
     pub(super) fn error_line(&self) -> Option<String> {
         let found = self.error?;
         let [low, high] = found.interval.map(show_share);
-        Some(if found.trusted {
-            format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error))
-        } else if found.error > ErrorEstimate::NOISIEST {
-            format!("error above {}: too noisy to say", show_share(ErrorEstimate::NOISIEST))
-        } else {
-            let carry = found.effective_pixels;
-            format!("error {}, not trustworthy yet: {carry:.0} pixels carry it", show_share(found.error))
+        Some(match &found.doubt {
+            None => format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error)),
+            Some(doubt @ Doubt::TooNoisy) => {
+                let noisiest = show_share(ErrorEstimate::NOISIEST);
+                format!("error above {noisiest}: {}", words(doubt, &self.lights))
+            }
+            Some(doubt) => {
+                let error = show_share(found.error);
+                format!("error {error}, not trustworthy yet: {}", words(doubt, &self.lights))
+            }
         })
     }
 }

@@ -24,7 +24,8 @@
 //! sample of a half lit seem dark, and their error enormous. The estimate is then too large, never too small by
 //! that, and is not trusted. Below, what the second order leaves is granted to the interval.
 
-use super::Film;
+use super::doubt::Shown;
+use super::{Doubt, Film};
 
 /// What the squares of the pixels' estimates are taken times; between what normal noise and heavy tails ask for.
 const SPREAD: f64 = 1.75;
@@ -49,8 +50,10 @@ pub struct ErrorEstimate {
     pub interval: [f64; 2],
     /// How many pixels carry the error, effectively: (sum t)^2 / sum t^2.
     pub effective_pixels: f64,
-    /// Whether the interval can be trusted.
+    /// Whether the interval can be trusted: there is no doubt.
     pub trusted: bool,
+    /// Why not.
+    pub doubt: Option<Doubt>,
 }
 
 impl ErrorEstimate {
@@ -65,6 +68,7 @@ impl Film {
     pub fn error(&self) -> Option<ErrorEstimate> {
         let k = self.layout.replications as usize;
         let means = self.replication_means();
+        let shown: Vec<Shown> = means.iter().map(|m| shown(m)).collect();
         let total: f64 = means.iter().map(|m| pooled(m).0).sum();
         let c = FLOOR * total / self.pixels() as f64;
         if c <= 0.0 || means.len() != self.pixels() || k < 2 {
@@ -84,12 +88,25 @@ impl Film {
         // Errors are positive, and their square spreads by a factor: hence the logarithm, halved by the root.
         let factor = libm::exp(0.5 * Z * relative);
         let effective_pixels = if squares > 0.0 { sum * sum / squares } else { self.pixels() as f64 };
+        let own = if error > ErrorEstimate::NOISIEST {
+            Some(Doubt::TooNoisy)
+        } else {
+            (effective_pixels < FEWEST).then_some(Doubt::FewPixels { carry: effective_pixels })
+        };
+        // What is missing says more than that something may be.
+        let doubt = self.light_not_found(&shown, error, c).or(own);
         Some(ErrorEstimate {
             error,
             interval: [error / factor, error * factor],
             effective_pixels,
-            trusted: effective_pixels >= FEWEST && error <= ErrorEstimate::NOISIEST,
+            trusted: doubt.is_none(),
+            doubt,
         })
+    }
+
+    /// What each pixel shows, but for those with fewer than two replications.
+    pub(super) fn shown(&self) -> Vec<Shown> {
+        self.replication_means().iter().map(|m| shown(m)).collect()
     }
 
     /// For each pixel, luminance and count of each of its replications that has samples; pixels with fewer than
@@ -115,6 +132,17 @@ fn pooled(means: &[(f64, f64)]) -> (f64, f64) {
     (means.iter().map(|m| m.0 * m.1).sum::<f64>() / n, n)
 }
 
+fn shown(means: &[(f64, f64)]) -> Shown {
+    Shown { luminance: pooled(means).0, variance: variance(means) }
+}
+
+/// Variance of the mean of some replications together.
+fn variance(means: &[(f64, f64)]) -> f64 {
+    let (mean, n) = pooled(means);
+    let sum: f64 = means.iter().map(|m| m.1 * (m.0 - mean) * (m.0 - mean)).sum();
+    sum / ((means.len() - 1) as f64 * n)
+}
+
 /// Variance of one sample, from the difference of two means.
 fn between(a: (f64, f64), b: (f64, f64)) -> f64 {
     (a.0 - b.0) * (a.0 - b.0) / (1.0 / a.1 + 1.0 / b.1)
@@ -126,9 +154,7 @@ fn relative_variance(means: &[(f64, f64)], c: f64) -> f64 {
     let inverse = |x: f64| 1.0 / (x * x + c * c);
     let &[m0, m1, m2, m3] = means else {
         // Two or three replications cannot be halved; sum and difference of normal numbers are independent.
-        let ways = means.len() - 1;
-        let sum: f64 = means.iter().map(|m| m.1 * (m.0 - mean) * (m.0 - mean)).sum();
-        return sum / (ways as f64 * n) * inverse(mean);
+        return variance(means) * inverse(mean);
     };
     let mut sum = 0.0;
     for [a, b, x, y] in [[m0, m1, m2, m3], [m0, m2, m1, m3], [m0, m3, m1, m2]] {

@@ -1,5 +1,6 @@
 //! Exact sums per pixel and replication.
 
+use super::cross::{CrossSums, Found, Glimpse, Level};
 use super::{FixedPoint, Image, Layer, LightLayer};
 use crate::color::Rgb;
 use crate::mutants::planted;
@@ -23,6 +24,8 @@ pub struct FilmLayout {
     pub layers: bool,
     /// Whether the background counts as transparent.
     pub transparent: bool,
+    /// Whether photons say beside the paths how much light there is.
+    pub cross: bool,
 }
 
 impl FilmLayout {
@@ -38,6 +41,7 @@ impl FilmLayout {
             features: false,
             layers: false,
             transparent: false,
+            cross: false,
         }
     }
 }
@@ -111,6 +115,7 @@ pub struct Film {
     pub(super) hits: Vec<u32>,
     pub(super) features: Option<FeatureSums>,
     pub(super) layers: Option<LayerSums>,
+    pub(super) cross: Option<CrossSums>,
     pub(super) refused: [u64; 3],
 }
 
@@ -131,6 +136,7 @@ impl Film {
             layers: layout
                 .layers
                 .then(|| LayerSums { sums: vec![[[0; 3]; LAYERS]; pixels], brightest: vec![0.0; pixels] }),
+            cross: layout.cross.then(|| CrossSums::new([layout.crop[2], layout.crop[3]])),
             refused: [0; 3],
             layout,
         }
@@ -194,8 +200,8 @@ impl Film {
         Ok(())
     }
 
-    /// Adds to the sample of `pass` at `pixel` what light of one layer brought there by another way; it does
-    /// not count as a sample.
+    /// Adds to the sample of `pass` at `pixel` what light of one layer, and of one class
+    /// ([`light_class`](super::light_class)), brought there by another way; it does not count as a sample.
     ///
     /// # Errors
     /// As for [`Self::add`].
@@ -205,6 +211,7 @@ impl Film {
         pass: u32,
         radiance: Rgb,
         layer: LightLayer,
+        class: usize,
     ) -> Result<(), Refusal> {
         let c = radiance.to_array();
         self.accumulate(pixel, pass, c)?;
@@ -214,7 +221,31 @@ impl Film {
                 *sum += format.encode(v);
             }
         }
+        let [.., width, height] = self.layout.crop;
+        if let Some(cross) = &mut self.cross {
+            let (x, y) = (pixel as u32 % width, pixel as u32 / width);
+            let cell = Level::fine([width, height]).cell(x, y);
+            cross.supplied(cell, class, radiance.luminance(), format);
+        }
         Ok(())
+    }
+
+    /// Adds what the paths of a tile found in a pass of the light that photons find too. Tiles are squares of
+    /// [`CELL`](super::CELL) pixels, counted row by row from the top left of the crop.
+    pub fn found(&mut self, tile: usize, found: &Found) {
+        let format = self.layout.radiance;
+        if let Some(cross) = &mut self.cross {
+            cross.found(tile, found, format);
+        }
+    }
+
+    /// Adds photons that say how much light there is: `traced` of them, of which the camera saw `seen`, those of
+    /// one photon after each other.
+    pub fn glimpses(&mut self, traced: u32, seen: &[Glimpse]) {
+        let (format, [.., width, height]) = (self.layout.radiance, self.layout.crop);
+        if let Some(cross) = &mut self.cross {
+            cross.photons(traced, seen, [width, height], format);
+        }
     }
 
     /// Adds to a sum, whose index it gives; or refuses what is no radiance, and counts that.
@@ -269,6 +300,9 @@ impl Film {
                     *ids = other;
                 }
             }
+        }
+        if let (Some(own), Some(other)) = (&mut self.cross, &other.cross) {
+            own.merge(other);
         }
         if let (Some(own), Some(other)) = (&mut self.layers, &other.layers) {
             for (sums, other) in own.sums.iter_mut().zip(&other.sums) {

@@ -17,12 +17,12 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
 use super::li::Counters;
-use super::photon::{Photon, PhotonMap, Splat, Tracer};
+use super::photon::{Photon, PhotonMap, Second, Seen, Splat, Tracer};
 use super::render::{BadSample, Control, Outcome, Progress, RenderError, RenderOptions};
-use crate::film::{ErrorEstimate, Film, LightLayer, Refusal, Sample};
+use crate::film::{CELL, ErrorEstimate, Film, Found, LightLayer, Refusal, Sample};
 
-/// Side of a tile, pixels.
-const TILE: u32 = 16;
+/// Side of a tile, pixels: light is compared by tiles.
+const TILE: u32 = CELL;
 /// Refused samples that are reported one by one.
 const REPORTED: usize = 8;
 
@@ -36,12 +36,26 @@ pub(super) trait Source: Sync {
     fn tracer(&self) -> Option<&Tracer<'_>> {
         None
     }
+
+    /// What says beside the paths how much light there is, if anything does.
+    fn second(&self) -> Option<&Second<'_>> {
+        None
+    }
+}
+
+/// What is done of a tile of a pass.
+struct Tile {
+    index: usize,
+    samples: Vec<Sample>,
+    /// What its paths found, and photons that are traced beside.
+    found: Found,
+    seen: Seen,
 }
 
 /// What is done of one pass.
 #[derive(Default)]
 struct Pending {
-    tiles: Vec<(usize, Vec<Sample>)>,
+    tiles: Vec<Tile>,
     /// Parts of the photons that are traced.
     chunks: u32,
     photons: Vec<(u32, Vec<Photon>)>,
@@ -188,8 +202,8 @@ impl Job<'_> {
                 Item::Chunk(..) => {}
                 Item::Tile(pass, tile) if pass < passes => {
                     let pass = self.options.passes.start + pass as u32;
-                    let samples = self.tile(tile, pass);
-                    self.deliver(pass, |pending| pending.tiles.push((tile as usize, samples)));
+                    let tile = self.tile(tile, pass);
+                    self.deliver(pass, |pending| pending.tiles.push(tile));
                 }
                 Item::Tile(..) => break,
             }
@@ -253,7 +267,7 @@ impl Job<'_> {
         [x, y, TILE.min(self.crop[2] - x), TILE.min(self.crop[3] - y)]
     }
 
-    fn tile(&self, tile: u32, pass: u32) -> Vec<Sample> {
+    fn tile(&self, tile: u32, pass: u32) -> Tile {
         let [x, y, w, h] = self.bounds(tile);
         let map = self.map(pass);
         let mut counters = Counters::default();
@@ -264,9 +278,12 @@ impl Job<'_> {
                 samples.push(self.source.sample(pixel, pass, map.as_deref(), &mut counters));
             }
         }
+        let tiles = self.tile_count() as u32;
+        let trace = |s: &Second<'_>| s.trace(pass, tile, tiles, &mut counters);
+        let seen = self.source.second().map(trace).unwrap_or_default();
         self.samples.fetch_add(samples.len() as u64, Ordering::Relaxed);
         self.count(&counters);
-        samples
+        Tile { index: tile as usize, samples, found: counters.found, seen }
     }
 
     /// Adds to what is done of a pass, and all of that to the film where it is complete.
@@ -309,12 +326,15 @@ impl Job<'_> {
     }
 
     fn counters(&self) -> Counters {
-        Counters { rays: self.rays.load(Ordering::Relaxed), capped: self.capped.load(Ordering::Relaxed) }
+        let (rays, capped) = (self.rays.load(Ordering::Relaxed), self.capped.load(Ordering::Relaxed));
+        Counters { rays, capped, ..Counters::default() }
     }
 
     fn commit(&self, state: &mut FilmState, pass: u32, pending: &Pending) {
-        for (tile, samples) in &pending.tiles {
-            let [x, y, w, _] = self.bounds(*tile as u32);
+        for Tile { index, samples, found, seen } in &pending.tiles {
+            state.film.found(*index, found);
+            state.film.glimpses(seen.traced, &seen.glimpses);
+            let [x, y, w, _] = self.bounds(*index as u32);
             for (i, sample) in samples.iter().enumerate() {
                 let (column, row) = (x + i as u32 % w, y + i as u32 / w);
                 let pixel = row as usize * self.crop[2] as usize + column as usize;
@@ -324,7 +344,7 @@ impl Job<'_> {
         }
         for splat in &pending.splats {
             let pixel = splat.pixel as usize;
-            let added = state.film.splat(pixel, pass, splat.radiance, LightLayer::Caustic);
+            let added = state.film.splat(pixel, pass, splat.radiance, LightLayer::Caustic, splat.class);
             self.note(state, pixel, pass, added);
         }
     }

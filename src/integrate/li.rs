@@ -16,8 +16,8 @@ use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
-use crate::film::LightLayer;
-use crate::light::LightContext;
+use crate::film::{Found, LightLayer, light_class};
+use crate::light::{LightContext, LightId};
 use crate::mutants::planted;
 use crate::prepare::{Caustics, Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
@@ -31,12 +31,14 @@ pub(super) const FAR_CAP: u32 = 10_000;
 const NOWHERE: [PrimitiveId; 2] = [PrimitiveId::NONE; 2];
 
 /// What a path did, for reports.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counters {
     /// Rays traced, shadow rays included.
     pub rays: u64,
     /// Paths cut by the far safety cap.
     pub capped: u64,
+    /// What they found of the light that photons can bring to the camera too: `E D (D|S)* L`.
+    pub found: Found,
 }
 
 /// The parts of a radiance, by number of their [`LightLayer`].
@@ -136,6 +138,24 @@ impl PathState {
         self.sampled.is_none() && self.spread > 0
     }
 
+    /// Counts light of which photons can say how much there is, unless they supply it.
+    #[inline(always)]
+    fn count(&self, scene: &Prepared, found: Rgb, light: LightId, counters: &mut Counters) {
+        let caustic = self.meets_caustic();
+        if self.depth == 0 || self.through || (caustic && self.caustics.by_photons(self.linked)) {
+            return;
+        }
+        counters.found[light_class(scene.apart.number(light), caustic)] += f64::from(found.luminance());
+    }
+
+    /// Counts the same of light that was sampled at a vertex.
+    #[inline(always)]
+    fn count_lit(&self, scene: &Prepared, found: Rgb, light: LightId, counters: &mut Counters) {
+        if !self.through {
+            counters.found[light_class(scene.apart.number(light), false)] += f64::from(found.luminance());
+        }
+    }
+
     /// Adds light that the path met on its way, unless photons supply it.
     #[inline(always)]
     fn meet<const LAYERS: bool>(&mut self, found: Rgb) {
@@ -199,7 +219,7 @@ fn step<const FX: u32, const LAYERS: bool>(
 
     // Free lights on the way: they block nothing, so each is found where it stands.
     if fx.has(Effect::FreeLights) {
-        free_lights::<FX, LAYERS>(scene, path, t);
+        free_lights::<FX, LAYERS>(scene, path, t, counters);
     }
     // Absorption on the way.
     if fx.has(Effect::Absorption)
@@ -216,7 +236,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     let Some(hit) = hit else {
         // Light from infinitely far away.
         if fx.has(Effect::Environment) {
-            distant_lights::<LAYERS>(scene, path);
+            distant_lights::<LAYERS>(scene, path, counters);
         }
         return Next::Done;
     };
@@ -265,7 +285,9 @@ fn step<const FX: u32, const LAYERS: bool>(
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
         };
-        path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight);
+        let found = path.beta * planted!(light_energy(le)) * weight;
+        path.count(scene, found, light, counters);
+        path.meet::<LAYERS>(found);
     }
     if scene.max_depth.is_some_and(|cap| path.depth >= planted!(depth_off_by_one(cap))) {
         return Next::Done;
@@ -297,15 +319,24 @@ fn step<const FX: u32, const LAYERS: bool>(
     if !bsdf.is_delta() {
         let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
-        let ld = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters);
-        path.lit::<LAYERS>(path.beta * ld);
+        if let Some((ld, light)) = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters) {
+            let found = path.beta * ld;
+            path.count_lit(scene, found, light, counters);
+            path.lit::<LAYERS>(found);
+        }
         if let Some(map) = map
             && path.depth > 0
             && !(path.linked && path.sampled.is_none())
         {
             let place = (path.depth, path.spread > 0);
             let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
-            path.gather::<LAYERS>(path.beta * caustics);
+            for (light, caustic) in (0..).zip(caustics).filter(|(_, c)| !c.is_black()) {
+                path.gather::<LAYERS>(path.beta * caustic);
+                if !path.through {
+                    let found = f64::from((path.beta * caustic).luminance());
+                    counters.found[light_class(light, true)] += found;
+                }
+            }
         }
     }
 
@@ -437,7 +468,12 @@ pub(super) fn interior(scene: &Prepared, material: u32, length: f32) -> Rgb {
 }
 
 #[inline(never)]
-fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut PathState, t_max: f32) {
+fn free_lights<const FX: u32, const LAYERS: bool>(
+    scene: &Prepared,
+    path: &mut PathState,
+    t_max: f32,
+    counters: &mut Counters,
+) {
     let camera = path.depth == 0;
     let mut sum = Rgb::BLACK;
     scene.lights.free_hits(&path.ray, t_max, |hit| {
@@ -454,21 +490,25 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
         {
             beta *= interior(scene, medium, Vec3::distance(hit.p, path.ray.o));
         }
-        sum += beta * planted!(light_energy(hit.radiance)) * weight;
+        let found = beta * planted!(light_energy(hit.radiance)) * weight;
+        path.count(scene, found, hit.light, counters);
+        sum += found;
     });
     path.meet::<LAYERS>(sum);
 }
 
-fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
+fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState, counters: &mut Counters) {
     let camera = path.depth == 0;
     let mut sum = Rgb::BLACK;
     let context = path.sampled.as_ref().map(|s| &s.context);
-    scene.lights.distant(path.ray.d, context, |radiance, visible, pdf| {
+    scene.lights.distant(path.ray.d, context, |light, radiance, visible, pdf| {
         if camera && (!visible || scene.transparent) {
             return;
         }
         let weight = path.sampled.as_ref().map_or(1.0, |s| mis_weight(s.pdf, pdf));
-        sum += path.beta * radiance * weight;
+        let found = path.beta * radiance * weight;
+        path.count(scene, found, light, counters);
+        sum += found;
     });
     path.meet::<LAYERS>(sum);
 }

@@ -22,6 +22,6 @@ pub use kernels::{Kernel, LiFn, kernel};
 pub use li::{Counters, Layers};
 pub use render::{
     BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, layout, render,
-    render_onto, replay,
+    render_onto, replay, second_opinion,
 };
 pub(crate) use roulette::survive;

@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
 use super::li::{Counters, first_surface};
-use super::photon::{PhotonMap, Tracer};
+use super::photon::{PhotonMap, Second, Tracer};
 use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
@@ -183,6 +183,7 @@ struct Planned<'a> {
     scene: &'a Prepared,
     kernel: Kernel,
     tracer: Option<Tracer<'a>>,
+    second: Option<Second<'a>>,
     features: bool,
     layers: bool,
 }
@@ -198,6 +199,10 @@ impl Source for Planned<'_> {
 
     fn tracer(&self) -> Option<&Tracer<'_>> {
         self.tracer.as_ref()
+    }
+
+    fn second(&self) -> Option<&Second<'_>> {
+        self.second.as_ref()
     }
 }
 
@@ -222,6 +227,14 @@ fn sample(
     }
     let radiance = (kernel.li)(scene, address, ray, counters);
     Sample { radiance, features: None, layers: None }
+}
+
+/// Traces the photons of some passes that say how much light there is ([`Film::cross_cells`]) onto a film, alone: more
+/// of them than a render has. Nothing where no light can be traced.
+pub fn second_opinion(scene: &Prepared, film: &mut Film, passes: Range<u32>) {
+    if let Some(second) = Second::new(scene, film.layout().crop) {
+        passes.for_each(|pass| second.onto(film, pass, &mut Counters::default()));
+    }
 }
 
 /// What the first surface seen through a sample is like.
@@ -286,6 +299,7 @@ pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
         features: options.features,
         layers: options.layers,
         transparent: scene.transparent,
+        cross: scene.photons().is_some(),
     }
 }
 
@@ -306,6 +320,7 @@ pub fn render_onto(
     }
     let features = options.features || scene.transparent;
     let (layers, tracer) = (options.layers, Tracer::new(scene, layout.crop));
-    let source = Planned { scene, kernel: kernel(&scene.plan), tracer, features, layers };
+    let second = Second::new(scene, layout.crop);
+    let source = Planned { scene, kernel: kernel(&scene.plan), tracer, second, features, layers };
     drive(&source, film, options, control)
 }

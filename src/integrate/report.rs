@@ -650,6 +650,7 @@ impl Tracer {
             features: false,
             layers: false,
             transparent: false,
+            cross: false,
         };
         let passes = RenderOptions {
             threads: options.threads,

@@ -39,6 +39,7 @@ struct Body {
     features: bool,
     layers: bool,
     transparent: bool,
+    cross: bool,
 }
 
 impl Part {
@@ -61,6 +62,7 @@ impl Part {
             features: layout.features,
             layers: layout.layers,
             transparent: layout.transparent,
+            cross: layout.cross,
         };
         // Strings, numbers and lists of them: nothing that JSON could not hold.
         let header = serde_json::to_vec(&Header { schema: SCHEMA.into(), body }).unwrap_or_default();
@@ -100,6 +102,7 @@ impl Part {
             features: body.features,
             layers: body.layers,
             transparent: body.transparent,
+            cross: body.cross,
         };
         let [x, y, width, height] = layout.crop;
         let inside = |at: u32, extent: u32, size: u32| at.checked_add(extent).is_some_and(|end| end <= size);

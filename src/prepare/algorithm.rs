@@ -77,21 +77,23 @@ impl Caustics {
 /// The choice for a scene: photons only where there is something that throws light, and light.
 pub(super) fn caustics(scene: &Scene, folded: &Folded<'_>, options: &Options) -> Caustics {
     let Algorithms { caustics, unbiased } = options.algorithms;
-    // What a photon is in where it starts is not known, and where bodies have an order all depends on it.
-    let nested =
-        || scene.objects.iter().any(|o| scene.materials[o.material.0 as usize].kind.body().is_some());
-    if caustics == CausticsMode::Path || nested() {
+    let kind = |material: u32| &*folded.kinds[material as usize];
+    let thrown = || scene.objects.iter().any(|o| casts(scene, kind(o.material.0)).is_some());
+    if caustics == CausticsMode::Path || !photons_can(scene, folded) || !thrown() {
         return Caustics::Path;
     }
-    let kind = |material: u32| &*folded.kinds[material as usize];
-    let thrown = scene.objects.iter().any(|o| casts(scene, kind(o.material.0)).is_some());
-    let emits = |k: &MaterialKind| matches!(k.emission(), Some((_, Sides::Front | Sides::Both)));
-    let lit = !scene.lights.is_empty()
-        || scene.environment.is_some()
-        || scene.objects.iter().any(|o| emits(kind(o.material.0)));
-    match (thrown && lit, unbiased) {
-        (false, _) => Caustics::Path,
-        (true, true) => Caustics::Traced,
-        (true, false) => Caustics::Photon,
+    if unbiased { Caustics::Traced } else { Caustics::Photon }
+}
+
+/// Whether light can be traced from where it starts: there is some, and it is known what photons are in.
+pub(super) fn photons_can(scene: &Scene, folded: &Folded<'_>) -> bool {
+    // What a photon is in where it starts is not known, and where bodies have an order all depends on it.
+    if scene.objects.iter().any(|o| scene.materials[o.material.0 as usize].kind.body().is_some()) {
+        return false;
     }
+    let kind = |material: u32| &*folded.kinds[material as usize];
+    let emits = |k: &MaterialKind| matches!(k.emission(), Some((_, Sides::Front | Sides::Both)));
+    !scene.lights.is_empty()
+        || scene.environment.is_some()
+        || scene.objects.iter().any(|o| emits(kind(o.material.0)))
 }

@@ -58,6 +58,14 @@ impl Address {
         Self { key: mix64(key ^ u64::from(pass)), index: photon }
     }
 
+    /// The address of photon `index` of a sequence of those that say beside the paths how much light there is, in a
+    /// domain of its own.
+    #[must_use]
+    pub fn second(seed: u64, sequence: u32, index: u32) -> Self {
+        let key = mix64(mix64(seed ^ 0x6570_7369_6c75_7821) ^ 0x7365_636f_6e64_2121);
+        Self { key: mix64(key ^ u64::from(sequence)), index }
+    }
+
     /// Branch `j` of `m` of a split path: each branch is a sample of a sequence m times as dense.
     #[must_use]
     pub fn split(self, m: u32, j: u32) -> Self {

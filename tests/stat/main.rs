@@ -12,4 +12,5 @@ mod fast;
 mod golden;
 mod naive;
 mod report;
+mod second;
 mod textured;

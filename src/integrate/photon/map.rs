@@ -9,6 +9,7 @@ use glam::Vec3;
 use super::trace::{Photon, cosine_ratio};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
+use crate::film::LIGHTS_APART;
 use crate::integrate::li::interior;
 use crate::integrate::scatter;
 use crate::light::LightContext;
@@ -136,7 +137,7 @@ fn split(order: &mut [(Vec3, u32)], axes: &mut [u8]) {
     split(&mut right[1..], &mut right_axes[1..]);
 }
 
-/// Radiance that a surface makes of the photons around a point of it: their power, weighed by Epanechnikov's
+/// Radiance that a surface makes of the photons around a point of it, by the light that they come from: their power, weighed by Epanechnikov's
 /// kernel over the disk. `place` says how many events the path to
 /// the point had, and whether one had a spread; `media` are those on the side of the surface that is seen, and on the other.
 #[inline(never)]
@@ -148,12 +149,12 @@ pub(in crate::integrate) fn caustics_at(
     context: &LightContext,
     media: [Medium; 2],
     (depth, spread): (u32, bool),
-) -> Rgb {
+) -> [Rgb; LIGHTS_APART] {
     let r = map.radius(scene, context.p, spread);
     let inv_r2 = 1.0 / (r * r);
     // Events that a photon may have had, so that the whole path keeps the cap.
     let most = scene.max_depth.map_or(u32::MAX, |cap| cap.saturating_sub(depth + 1));
-    let mut sum = Rgb::BLACK;
+    let mut sums = [Rgb::BLACK; LIGHTS_APART];
     map.within(context.p, r, &mut |photon, d2| {
         if photon.ng.dot(context.ng) < SAME_SURFACE || photon.bounces > most {
             return;
@@ -166,9 +167,9 @@ pub(in crate::integrate) fn caustics_at(
         {
             light *= interior(scene, medium, photon.inside);
         }
-        sum += light;
+        sums[usize::from(photon.light)] += light;
     });
-    sum * (2.0 * INV_PI * inv_r2)
+    sums.map(|sum| sum * (2.0 * INV_PI * inv_r2))
 }
 
 #[cfg(test)]
@@ -190,6 +191,7 @@ mod tests {
             power: Rgb::grey(i as f32),
             inside: 0.0,
             bounces: 1,
+            light: 0,
         };
         (0..n).map(photon).collect()
     }

@@ -1,4 +1,4 @@
-//! Caustics by photons from the lights.
+//! Photons from the lights: caustics by them, and a second opinion on all light.
 //!
 //! A caustic is `E (D|S)* D S+ L` in Heckbert's notation: from the eye E to the light L, where S is an event
 //! without spread, and D any other. Paths from the camera find it only by chance; where the plan says so they
@@ -13,17 +13,22 @@
 //!   Mapping: A Probabilistic Approach", TOG 2011), so that passes know nothing of each other and can be
 //!   made anywhere in any order. The bias vanishes as passes are added.
 //!
+//! Photons also say, beside the paths, how much light there is: [`second`].
+//!
 //! The photons of a pass are a pure function of scene, seed and pass. A photon stands for the same
 //! events as the path from the camera that runs the other way: one definition of what a surface does, that for
 //! light towards the camera, serves both, and photons use its adjoint ([`trace`]).
 
 mod map;
+mod second;
 mod splat;
 mod trace;
 
 pub(super) use map::{PhotonMap, caustics_at};
+pub(super) use second::{Second, Seen};
 pub(super) use splat::Splat;
 pub(super) use trace::Photon;
+use trace::{Walk, Way};
 
 use super::li::Counters;
 use crate::light::SphereLight;
@@ -81,11 +86,13 @@ impl<'a> Tracer<'a> {
     pub(super) fn trace(&self, pass: u32, chunk: u32, counters: &mut Counters) -> Traced {
         let mut traced = Traced::default();
         let maps = self.maps();
+        let Casting { lights, casts } = self.casting;
+        let walk = Walk { scene: self.scene, lights, casts, way: Way::Thrown };
         let share = 1.0 / self.photons as f32;
         let first = chunk * CHUNK;
         for i in first..(first + CHUNK).min(self.photons) {
             let address = Address::photon(self.scene.seed, pass, i);
-            trace::walk(self.scene, self.casting, &address, share, counters, |landing, counters| {
+            trace::walk(walk, &address, share, counters, |landing, counters| {
                 traced.splats.extend(splat::splat(self.scene, landing, &address, self.crop, counters));
                 if maps && !landing.spread_before {
                     traced.photons.push(landing.photon);
