@@ -349,6 +349,7 @@ impl Job {
             crop: self.crop,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
+            layer_noise: false,
         };
         let identity = self.identity(&prepared.plan, prepared.lights_apart(), hash)?;
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);

@@ -12,6 +12,7 @@ mod error;
 mod fixed;
 mod image;
 mod layers;
+mod shares;
 mod state;
 mod sums;
 
@@ -21,5 +22,6 @@ pub use error::ErrorEstimate;
 pub use fixed::FixedPoint;
 pub use image::{Image, Layer};
 pub use layers::LightLayer;
+pub use shares::LayerShare;
 pub use state::StateError;
 pub use sums::{Features, Film, FilmLayout, Refusal, Sample};

@@ -36,6 +36,7 @@ impl Film {
         let mut sums: Vec<&[i128]> = vec![self.sums.as_flattened()];
         sums.extend(self.features.iter().map(|f| f.sums.as_flattened()));
         sums.extend(self.layers.iter().map(|l| l.sums.as_flattened().as_flattened()));
+        sums.extend(self.layer_cells.iter().map(|l| l.as_flattened()));
         if let Some(cross) = &self.cross {
             sums.push(cross.paths.as_flattened());
             sums.push(cross.photons.as_flattened().as_flattened());
@@ -74,8 +75,8 @@ impl Film {
         let layers = usize::from(layout.layers);
         let of_pixel = COUNT + features * (FEATURES * width + IDS) + layers * (3 * LAYERS * width + COUNT);
         let of_cross = if layout.cross { cross_bytes(&layout, width) } else { 0 };
-        let expected =
-            1 + cells * (3 * width + COUNT) as u128 + pixels * of_pixel as u128 + of_cross + REFUSED as u128;
+        let of_cell = (3 + usize::from(layout.layer_noise) * LAYERS) * width + COUNT;
+        let expected = 1 + cells * of_cell as u128 + pixels * of_pixel as u128 + of_cross + REFUSED as u128;
         if expected != bytes.len() as u128 {
             return Err(StateError::Length { found: bytes.len(), expected });
         }
@@ -91,6 +92,7 @@ impl Film {
         film.sums.iter_mut().flatten().for_each(|s| *s = sum());
         film.features.iter_mut().flat_map(|f| &mut f.sums).flatten().for_each(|s| *s = sum());
         film.layers.iter_mut().flat_map(|l| &mut l.sums).flatten().flatten().for_each(|s| *s = sum());
+        film.layer_cells.iter_mut().flatten().flatten().for_each(|s| *s = sum());
         if let Some(cross) = &mut film.cross {
             cross.paths.as_flattened_mut().iter_mut().for_each(|s| *s = sum());
             cross.photons.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|s| *s = sum());
@@ -153,7 +155,8 @@ mod tests {
     #[test]
     fn films_come_back() {
         for [features, layers] in [[false, false], [true, false], [false, true], [true, true]] {
-            let layout = FilmLayout { features, layers, cross: layers, ..FilmLayout::plain([3, 2]) };
+            let (layer_noise, cross) = (features != layers, layers);
+            let layout = FilmLayout { features, layers, layer_noise, cross, ..FilmLayout::plain([3, 2]) };
             let mut film = Film::new(layout.clone());
             film.found(0, &[0.0, 0.5, 1.0, 2.0, 0.0, 0.0, 0.0, 1e4]);
             let glimpse = |photon, pixel| Glimpse { photon, pixel, class: 5, luminance: 3.0 };

@@ -38,6 +38,8 @@ struct Body {
     length: u32,
     features: bool,
     layers: bool,
+    #[serde(default)]
+    layer_noise: bool,
     transparent: bool,
     cross: bool,
 }
@@ -61,6 +63,7 @@ impl Part {
             length: layout.length.scale().to_bits(),
             features: layout.features,
             layers: layout.layers,
+            layer_noise: layout.layer_noise,
             transparent: layout.transparent,
             cross: layout.cross,
         };
@@ -101,6 +104,7 @@ impl Part {
             length: FixedPoint::around(f32::from_bits(body.length)),
             features: body.features,
             layers: body.layers,
+            layer_noise: body.layer_noise,
             transparent: body.transparent,
             cross: body.cross,
         };
