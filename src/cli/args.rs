@@ -12,7 +12,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::units;
 use crate::import::LightUnits;
 use crate::integrate::report::Slips;
-use crate::prepare::{Algorithms, CausticsMode, EffectsMode};
+use crate::prepare::{Algorithms, CausticsMode, EffectsMode, Indirect};
 use crate::scene::ToneCurve;
 
 const STYLES: Styles = Styles::styled()
@@ -506,13 +506,14 @@ impl From<EffectsArg> for EffectsMode {
 /// Which estimators run.
 #[derive(Args, Debug)]
 pub(super) struct AlgorithmArgs {
-    /// Choose an estimator: caustics=path (light in mirrors' and glasses' light is met by chance) or
-    /// caustics=photon (photons from the lights) [default: caustics=path]
+    /// Choose an estimator, may repeat: caustics=path (light in mirrors' and glasses' light is met by chance) or
+    /// caustics=photon (photons from the lights); indirect=path or indirect=photon (where a path is spread for the
+    /// second time it ends, and photons say what light arrives there) [default: caustics=path, indirect=path]
     #[arg(long, value_name = "WHAT=HOW", value_parser = algorithm)]
-    pub(super) algorithm: Vec<CausticsMode>,
+    pub(super) algorithm: Vec<One>,
 
     /// No estimator whose error does not vanish on average: caustics=photon then traces photons to what the
-    /// camera sees directly, and keeps no photon map
+    /// camera sees directly, and no photon map is kept
     #[arg(long)]
     pub(super) unbiased: bool,
 }
@@ -520,16 +521,31 @@ pub(super) struct AlgorithmArgs {
 impl AlgorithmArgs {
     /// As meant; the last of several choices counts.
     pub(super) fn meant(&self) -> Algorithms {
-        let caustics = self.algorithm.last().copied().unwrap_or_default();
-        Algorithms { caustics, unbiased: self.unbiased }
+        let mut meant = Algorithms { unbiased: self.unbiased, ..Algorithms::default() };
+        for &one in &self.algorithm {
+            match one {
+                One::Caustics(mode) => meant.caustics = mode,
+                One::Indirect(how) => meant.indirect = how,
+            }
+        }
+        meant
     }
 }
 
-fn algorithm(text: &str) -> Result<CausticsMode, String> {
+/// One choice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum One {
+    Caustics(CausticsMode),
+    Indirect(Indirect),
+}
+
+fn algorithm(text: &str) -> Result<One, String> {
     match text {
-        "caustics=path" => Ok(CausticsMode::Path),
-        "caustics=photon" => Ok(CausticsMode::Photon),
-        _ => Err("expected caustics=path or caustics=photon".to_owned()),
+        "caustics=path" => Ok(One::Caustics(CausticsMode::Path)),
+        "caustics=photon" => Ok(One::Caustics(CausticsMode::Photon)),
+        "indirect=path" => Ok(One::Indirect(Indirect::Path)),
+        "indirect=photon" => Ok(One::Indirect(Indirect::Photon)),
+        _ => Err("expected caustics=path, caustics=photon, indirect=path or indirect=photon".to_owned()),
     }
 }
 

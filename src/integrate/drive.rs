@@ -17,7 +17,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
 use super::li::Counters;
-use super::photon::{Photon, PhotonMap, Second, Seen, Splat, Tracer};
+use super::photon::{Maps, Photon, Second, Seen, Splat, Tracer};
 use super::render::{BadSample, Control, Outcome, Progress, RenderError, RenderOptions};
 use crate::film::{CELL, ErrorEstimate, Film, Found, LightLayer, Refusal, Sample};
 
@@ -30,7 +30,7 @@ const REPORTED: usize = 8;
 pub(super) trait Source: Sync {
     /// The sample of `pass` at a pixel of the whole picture, with the photons of the pass where there are
     /// any: a function of these two and nothing else.
-    fn sample(&self, pixel: [u32; 2], pass: u32, map: Option<&PhotonMap>, counters: &mut Counters) -> Sample;
+    fn sample(&self, pixel: [u32; 2], pass: u32, maps: Option<&Maps>, counters: &mut Counters) -> Sample;
 
     /// What traces photons, if anything does.
     fn tracer(&self) -> Option<&Tracer<'_>> {
@@ -58,7 +58,7 @@ struct Pending {
     tiles: Vec<Tile>,
     /// Parts of the photons that are traced.
     chunks: u32,
-    photons: Vec<(u32, Vec<Photon>)>,
+    photons: Vec<(u32, LightLayer, Vec<Photon>)>,
     splats: Vec<Splat>,
 }
 
@@ -103,7 +103,7 @@ struct Job<'a> {
     cancelled: AtomicBool,
     pending: Mutex<BTreeMap<u32, Pending>>,
     /// The maps of passes on their way.
-    maps: Mutex<BTreeMap<u32, Arc<PhotonMap>>>,
+    maps: Mutex<BTreeMap<u32, Arc<Maps>>>,
     mapped: Condvar,
     film: Mutex<FilmState>,
     samples: AtomicU64,
@@ -231,33 +231,33 @@ impl Job<'_> {
         let Some(tracer) = self.source.tracer() else { return };
         let mut counters = Counters::default();
         let traced = tracer.trace(pass, chunk, &mut counters);
-        counters.layer_rays[LightLayer::Caustic as usize] = counters.rays;
+        counters.layer_rays[traced.layer as usize] = counters.rays;
         self.count(&counters);
         let mut all = Vec::new();
         self.deliver(pass, |pending| {
             pending.splats.extend(traced.splats);
-            pending.photons.push((chunk, traced.photons));
+            pending.photons.push((chunk, traced.layer, traced.photons));
             pending.chunks += 1;
             if pending.chunks == tracer.chunks() {
                 all = std::mem::take(&mut pending.photons);
             }
         });
-        if !all.is_empty() && tracer.maps() {
-            all.sort_by_key(|&(chunk, _)| chunk);
-            let map = tracer.map(pass, all.into_iter().map(|(_, photons)| photons).collect());
-            lock(&self.maps).insert(pass, Arc::new(map));
+        if !all.is_empty() && tracer.gathers() {
+            all.sort_by_key(|&(chunk, ..)| chunk);
+            let parts = all.into_iter().map(|(_, layer, photons)| (layer, photons)).collect();
+            lock(&self.maps).insert(pass, Arc::new(tracer.maps(pass, parts)));
             self.mapped.notify_all();
         }
     }
 
-    /// The map of a pass. Its photons were handed out before its tiles, and whoever has a part of them
+    /// The maps of a pass. Its photons were handed out before its tiles, and whoever has a part of them
     /// finishes it, so that the wait ends.
-    fn map(&self, pass: u32) -> Option<Arc<PhotonMap>> {
-        self.source.tracer().filter(|t| t.maps())?;
+    fn maps(&self, pass: u32) -> Option<Arc<Maps>> {
+        self.source.tracer().filter(|t| t.gathers())?;
         let mut maps = lock(&self.maps);
         loop {
-            if let Some(map) = maps.get(&pass) {
-                return Some(Arc::clone(map));
+            if let Some(own) = maps.get(&pass) {
+                return Some(Arc::clone(own));
             }
             maps = self.mapped.wait(maps).unwrap_or_else(std::sync::PoisonError::into_inner);
         }
@@ -281,13 +281,13 @@ impl Job<'_> {
 
     fn tile(&self, tile: u32, pass: u32) -> Tile {
         let [x, y, w, h] = self.bounds(tile);
-        let map = self.map(pass);
+        let maps = self.maps(pass);
         let mut counters = Counters::default();
         let mut samples = Vec::with_capacity((w * h) as usize);
         for row in y..y + h {
             for column in x..x + w {
                 let pixel = [self.crop[0] + column, self.crop[1] + row];
-                samples.push(self.source.sample(pixel, pass, map.as_deref(), &mut counters));
+                samples.push(self.source.sample(pixel, pass, maps.as_deref(), &mut counters));
             }
         }
         let tiles = self.tile_count() as u32;

@@ -11,12 +11,12 @@
 use glam::Vec3;
 
 use super::direct::{direct_light, mis_weight};
-use super::photon::{PhotonMap, caustics_at};
+use super::photon::{Maps, Place, gathered};
 use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
-use crate::bsdf::Transport;
+use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
-use crate::film::{Found, LightLayer, light_class};
+use crate::film::{Found, LIGHT_CLASSES, LightLayer, light_class};
 use crate::light::{LightContext, LightId};
 use crate::mutants::planted;
 use crate::prepare::{Caustics, Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
@@ -101,17 +101,17 @@ pub(super) fn li<const FX: u32>(
     path.radiance
 }
 
-/// The same radiance, and the parts that it consists of; where there is a map, the path gathers the photons of
+/// The same radiance, and the parts that it consists of; where there are maps, the path gathers the photons of
 /// its pass.
 pub(super) fn li_in_layers<const FX: u32>(
     scene: &Prepared,
-    map: Option<&PhotonMap>,
+    maps: Option<&Maps>,
     address: Address,
     ray: Ray,
     counters: &mut Counters,
 ) -> (Rgb, Layers) {
     let mut path = PathState::new(scene, ray);
-    while let Next::Continue = step::<FX, true>(scene, map, &address, &mut path, counters) {}
+    while let Next::Continue = step::<FX, true>(scene, maps, &address, &mut path, counters) {}
     (path.radiance, path.layers)
 }
 
@@ -204,22 +204,29 @@ impl PathState {
         }
     }
 
-    /// Adds the light of photons.
-    #[inline(always)]
-    fn gather<const LAYERS: bool>(&mut self, radiance: Rgb) {
-        self.radiance += radiance;
-        if LAYERS {
-            self.layers[LightLayer::Caustic as usize] += radiance;
+    /// Adds the light of photons, by class.
+    fn gather(&mut self, found: &[Rgb; LIGHT_CLASSES], counters: &mut Counters) {
+        for (class, &found) in found.iter().enumerate().filter(|(_, f)| !f.is_black()) {
+            let radiance = self.beta * found;
+            self.radiance += radiance;
+            let layer = match class % 2 {
+                1 => LightLayer::Caustic,
+                _ if self.through => LightLayer::Glass,
+                _ => LightLayer::Indirect,
+            };
+            self.layers[layer as usize] += radiance;
+            if !self.through {
+                counters.found[class] += f64::from(radiance.luminance());
+            }
         }
     }
 }
 
-/// From one vertex to the next; photons of `map` are gathered where there is one, but for those that reach the
-/// camera from here without this path.
+/// From one vertex to the next; photons of `maps` are gathered where there are any.
 #[inline(always)]
 fn step<const FX: u32, const LAYERS: bool>(
     scene: &Prepared,
-    map: Option<&PhotonMap>,
+    maps: Option<&Maps>,
     address: &Address,
     path: &mut PathState,
     counters: &mut Counters,
@@ -305,6 +312,10 @@ fn step<const FX: u32, const LAYERS: bool>(
         path.count(scene, found, light, counters);
         path.meet::<LAYERS>(found);
     }
+    // Whatever else arrives where the path was spread for the second time, photons have brought.
+    if path.spread > 1 && maps.is_some_and(|m| m.indirect.is_some()) {
+        return Next::Done;
+    }
     if scene.max_depth.is_some_and(|cap| path.depth >= planted!(depth_off_by_one(cap))) {
         return Next::Done;
     }
@@ -344,19 +355,8 @@ fn step<const FX: u32, const LAYERS: bool>(
         if LAYERS {
             counters.layer_rays[path.samples() as usize] += counters.rays - before;
         }
-        if let Some(map) = map
-            && path.depth > 0
-            && !(path.linked && path.sampled.is_none())
-        {
-            let place = (path.depth, path.spread > 0);
-            let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
-            for (light, caustic) in (0..).zip(caustics).filter(|(_, c)| !c.is_black()) {
-                path.gather::<LAYERS>(path.beta * caustic);
-                if !path.through {
-                    let found = f64::from((path.beta * caustic).luminance());
-                    counters.found[light_class(light, true)] += found;
-                }
-            }
+        if let Some(maps) = maps {
+            gather(scene, maps, path, bsdf, &frame, &context, media, counters);
         }
     }
 
@@ -385,6 +385,29 @@ fn step<const FX: u32, const LAYERS: bool>(
         None => return Next::Done,
     }
     Next::Continue
+}
+
+/// Adds the light of the photons around a vertex, but of those that reach the camera from here without this path.
+#[inline(never)]
+fn gather(
+    scene: &Prepared,
+    maps: &Maps,
+    path: &mut PathState,
+    bsdf: &Bsdf,
+    frame: &scatter::Frame,
+    context: &LightContext,
+    media: [Medium; 2],
+    counters: &mut Counters,
+) {
+    let linked = path.linked && path.sampled.is_none();
+    let place = Place { depth: path.depth, spread: path.spread > 0, linked: true };
+    if let Some(map) = maps.caustics.as_ref().filter(|_| path.depth > 0 && !linked) {
+        path.gather(&gathered(scene, map, bsdf, frame, context, media, place), counters);
+    }
+    if let Some(map) = maps.indirect.as_ref().filter(|_| path.spread == 1) {
+        let place = Place { linked: !(linked && path.caustics != Caustics::Path), ..place };
+        path.gather(&gathered(scene, map, bsdf, frame, context, media, place), counters);
+    }
 }
 
 /// Whether textures or vertex colours may vary anything.

@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
 use super::li::{Counters, first_surface};
-use super::photon::{PhotonMap, Second, Tracer};
+use super::photon::{Maps, Second, Tracer};
 use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
@@ -201,8 +201,8 @@ struct Planned<'a> {
 }
 
 impl Source for Planned<'_> {
-    fn sample(&self, pixel: [u32; 2], pass: u32, map: Option<&PhotonMap>, counters: &mut Counters) -> Sample {
-        let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, map, counters);
+    fn sample(&self, pixel: [u32; 2], pass: u32, maps: Option<&Maps>, counters: &mut Counters) -> Sample {
+        let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, maps, counters);
         if self.features {
             s.features = features(self.scene, pixel, pass);
         }
@@ -225,7 +225,7 @@ fn sample(
     layers: bool,
     pixel: [u32; 2],
     pass: u32,
-    map: Option<&PhotonMap>,
+    maps: Option<&Maps>,
     counters: &mut Counters,
 ) -> Sample {
     let k = scene.plan.replications;
@@ -233,8 +233,8 @@ fn sample(
     let address = Address::new(scene.seed, index, pass % k, pass / k);
     let u = address.block(0, Purpose::Camera, 0, 0);
     let ray = scene.camera.ray(pixel, [u[0], u[1]], || square_to_disk([u[2], u[3]]));
-    if layers || map.is_some() {
-        let (radiance, parts) = (kernel.layered)(scene, map, address, ray, counters);
+    if layers || maps.is_some() {
+        let (radiance, parts) = (kernel.layered)(scene, maps, address, ray, counters);
         return Sample { radiance, features: None, layers: layers.then_some(parts) };
     }
     let radiance = (kernel.li)(scene, address, ray, counters);
@@ -272,15 +272,15 @@ fn features(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Option<Features> {
 #[must_use]
 pub fn replay(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Sample {
     let counters = &mut Counters::default();
-    let mut map = None;
+    let mut maps = None;
     let mut splats = Vec::new();
     if let Some(tracer) = Tracer::new(scene, [pixel[0], pixel[1], 1, 1]) {
         let traced: Vec<_> = (0..tracer.chunks()).map(|chunk| tracer.trace(pass, chunk, counters)).collect();
         splats = traced.iter().flat_map(|t| t.splats.clone()).collect();
-        let parts = || traced.into_iter().map(|t| t.photons).collect();
-        map = tracer.maps().then(|| tracer.map(pass, parts()));
+        let parts = || traced.into_iter().map(|t| (t.layer, t.photons)).collect();
+        maps = tracer.gathers().then(|| tracer.maps(pass, parts()));
     }
-    let mut sample = sample(scene, &kernel(&scene.plan), false, pixel, pass, map.as_ref(), counters);
+    let mut sample = sample(scene, &kernel(&scene.plan), false, pixel, pass, maps.as_ref(), counters);
     splats.iter().for_each(|s| sample.radiance += s.radiance);
     sample
 }

@@ -15,6 +15,8 @@ pub struct Algorithms {
     pub caustics: CausticsMode,
     /// Whether estimators are left out whose error does not vanish on average.
     pub unbiased: bool,
+    /// How indirect light is found.
+    pub indirect: Indirect,
 }
 
 /// How caustics are to be found: light that mirrors and clear glass throw onto something else.
@@ -74,9 +76,50 @@ impl Caustics {
     }
 }
 
+/// How light is found that was scattered before it reaches a place where a path is spread for the second time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Indirect {
+    /// By the path, which goes on.
+    #[default]
+    Path,
+    /// By density estimation: photons near that place, traced anew in each pass. The path ends there. That is
+    /// consistent: its bias vanishes as passes are added.
+    Photon,
+}
+
+impl Indirect {
+    /// What reports call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "paths",
+            Self::Photon => "photons",
+        }
+    }
+}
+
+/// How indirect light is found, and why, where photons are asked for.
+pub(super) fn indirect(
+    scene: &Scene,
+    folded: &Folded<'_>,
+    algorithms: &Algorithms,
+) -> (Indirect, &'static str) {
+    match algorithms.indirect {
+        Indirect::Path => (Indirect::Path, "asked for"),
+        Indirect::Photon if algorithms.unbiased => (Indirect::Path, "a photon map has a bias"),
+        Indirect::Photon if !photons_can(scene, folded) => {
+            (Indirect::Path, "there is no light, or bodies have priorities, where it is not known what photons are in")
+        }
+        Indirect::Photon => (
+            Indirect::Photon,
+            "asked for: a photon map where a path is spread for the second time; its bias vanishes as passes are added",
+        ),
+    }
+}
+
 /// The choice for a scene: photons only where there is something that throws light, and light.
 pub(super) fn caustics(scene: &Scene, folded: &Folded<'_>, options: &Options) -> Caustics {
-    let Algorithms { caustics, unbiased } = options.algorithms;
+    let Algorithms { caustics, unbiased, .. } = options.algorithms;
     let kind = |material: u32| &*folded.kinds[material as usize];
     let thrown = || scene.objects.iter().any(|o| casts(scene, kind(o.material.0)).is_some());
     if caustics == CausticsMode::Path || !photons_can(scene, folded) || !thrown() {

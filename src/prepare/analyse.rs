@@ -8,8 +8,8 @@
 
 use glam::Vec4;
 
-use super::algorithm::caustics;
-use super::choices::{casters, choices, unseen};
+use super::algorithm::{Indirect, caustics, indirect};
+use super::choices::{casters, choices, reuse, unseen};
 use super::fold::{Folded, Uses, fold, has_surface};
 use super::lights::{self, effect_of};
 use super::material::{self, Numbers};
@@ -99,6 +99,7 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     let needs: Vec<Need> = found.needs.into_iter().flatten().collect();
     let casters = casters(scene, &folded);
     let caustics = caustics(scene, &folded, options);
+    let (indirect, why) = indirect(scene, &folded, &options.algorithms);
     let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
     let mut plan = Plan {
         choices: choices(scene, &folded, &casters, caustics, pixels),
@@ -106,10 +107,14 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
         left_out,
         unseen: unseen(scene, &folded, &casters, caustics),
         caustics,
+        indirect,
         tables: Effects::default(),
         kernel: 0,
         replications: replications(pixels),
     };
+    if options.algorithms.indirect == Indirect::Photon {
+        plan.choices.push(reuse(indirect, why));
+    }
     plan.run_by(options.effects);
     plan
 }

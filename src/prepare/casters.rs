@@ -28,6 +28,8 @@ pub(crate) struct Photons {
     pub(crate) casting: Casting,
     /// Towards everything.
     pub(crate) everywhere: PhotonLights,
+    /// Radius of a ball around most of what is in view, metres.
+    pub(crate) view: f32,
 }
 
 /// Rows and columns of the camera rays that tell what is in view.
@@ -55,7 +57,8 @@ impl Photons {
         let view = view(accel, camera, size).filter(|b| b.radius > 0.0 && b.radius < all);
         // As many of those that are parallel go to both.
         targets.extend(view.map(|b| Target::ball(b.center, b.radius, sqr(all / b.radius))));
-        Self { casting, everywhere: PhotonLights::new(lights, Aim::new(targets), radius) }
+        let view = view.map_or(all, |b| b.radius);
+        Self { casting, everywhere: PhotonLights::new(lights, Aim::new(targets), radius), view }
     }
 }
 

@@ -3,7 +3,7 @@
 //! In: a scene and its folded materials. Out: decisions with their reasons, a pure function of scene and size.
 //! They are the same whatever kernel runs.
 
-use super::algorithm::Caustics;
+use super::algorithm::{Caustics, Indirect};
 use super::casters::casts;
 use super::fold::{Folded, has_surface};
 use super::lights::{self, effect_of};
@@ -61,6 +61,11 @@ fn estimator(casters: &[usize], caustics: Caustics) -> Choice {
         (_, Caustics::Traced | Caustics::Photon) => (caustics.name(), caustics.what()),
     };
     Choice { about: "caustics", chosen: chosen.to_owned(), reason: reason.to_owned() }
+}
+
+/// Who finds indirect light, where that was asked.
+pub(super) fn reuse(indirect: Indirect, why: &str) -> Choice {
+    Choice { about: "indirect", chosen: indirect.name().to_owned(), reason: why.to_owned() }
 }
 
 fn roulette() -> Choice {

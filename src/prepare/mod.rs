@@ -31,7 +31,7 @@ mod surface;
 mod texture;
 mod varying;
 
-pub use algorithm::{Algorithms, Caustics, CausticsMode};
+pub use algorithm::{Algorithms, Caustics, CausticsMode, Indirect};
 pub use analyse::analyse;
 pub use camera::{CameraRays, Seen};
 pub(crate) use casters::{Casting, Photons};

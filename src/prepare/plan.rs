@@ -6,7 +6,7 @@
 //! whatever kernel runs; pruning (kernels, tables) changes nothing: a test compares bytes.
 
 use super::EffectsMode;
-use super::algorithm::Caustics;
+use super::algorithm::{Caustics, Indirect};
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -264,6 +264,8 @@ pub struct Plan {
     pub replications: u32,
     /// How caustics are found.
     pub caustics: Caustics,
+    /// How indirect light is found.
+    pub indirect: Indirect,
 }
 
 impl Plan {

@@ -236,7 +236,7 @@ fn rays_and_light_belong_to_layers() {
 
 /// A scene whose caustics are found by photons.
 fn with_photons(scene: &Scene, effects: EffectsMode, unbiased: bool) -> Prepared {
-    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased };
+    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased, ..Algorithms::default() };
     prepare(scene, &Options { effects, algorithms, ..options(SIZE, seed("photons"), None) })
         .expect("a camera")
 }

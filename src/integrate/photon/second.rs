@@ -18,7 +18,7 @@ use super::trace::{Walk, Way, walk};
 use crate::film::{Film, Glimpse};
 use crate::integrate::li::Counters;
 use crate::prepare::{Photons, Prepared};
-use crate::sampling::Address;
+use crate::sampling::{Address, PhotonUse};
 
 /// Pixels for which there is one photon in each pass.
 const PIXELS: u64 = 32;
@@ -64,7 +64,8 @@ impl<'a> Second<'a> {
         for i in first..end {
             let index = (pass / k).wrapping_mul(self.count).wrapping_add(i);
             let (way, half, index, share) = self.way(index);
-            let address = Address::second(self.scene.seed, 2 * (pass % k) + half, index);
+            let sequence = 2 * (pass % k) + half;
+            let address = Address::photon(self.scene.seed, PhotonUse::Second, sequence, index);
             walk(way, &address, share, counters, |landing, counters| {
                 let Some(splat) = splat(self.scene, landing, &address, self.crop, counters) else { return };
                 seen.glimpses.push(Glimpse {

@@ -3,7 +3,6 @@
 use super::trace::{Landing, spread};
 use crate::accel::RayKind;
 use crate::color::Rgb;
-use crate::film::light_class;
 use crate::integrate::li::{Counters, FAR_CAP, interior, medium_beyond};
 use crate::prepare::Prepared;
 use crate::sampling::warp::square_to_disk;
@@ -17,7 +16,7 @@ pub(in crate::integrate) struct Splat {
     pub(in crate::integrate) pixel: u32,
     /// W sr^-1 m^-2.
     pub(in crate::integrate) radiance: Rgb,
-    /// Class of the light ([`light_class`]).
+    /// Class of the light ([`light_class`](crate::film::light_class)).
     pub(in crate::integrate) class: usize,
 }
 
@@ -64,8 +63,7 @@ pub(super) fn splat(
     if let Some(medium) = medium.absorbs {
         radiance *= interior(scene, medium, photon.inside);
     }
-    let class = light_class(photon.light, landing.caustic);
-    Some(Splat { pixel: y * width + x, radiance, class })
+    Some(Splat { pixel: y * width + x, radiance, class: usize::from(photon.class) })
 }
 
 /// The share of light from a photon that reaches the camera at `eye`.

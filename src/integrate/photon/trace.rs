@@ -18,6 +18,7 @@ use glam::Vec3;
 use crate::accel::{Hit, PrimitiveId, RayKind};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
+use crate::film::light_class;
 use crate::integrate::direct::emitted_share;
 use crate::integrate::li::{Counters, FAR_CAP, interior, is_there};
 use crate::integrate::{roulette, scatter as lobes};
@@ -42,8 +43,17 @@ pub(in crate::integrate) struct Photon {
     pub(super) inside: f32,
     /// Scattering events so far.
     pub(super) bounces: u32,
-    /// Which of the lights that are told apart it comes from.
-    pub(super) light: u8,
+    /// Class of the light that it brings ([`light_class`]).
+    pub(super) class: u8,
+    /// Whether its way is S+ (D S+)*.
+    pub(super) linked: bool,
+}
+
+impl Photon {
+    /// Whether its first event threw it.
+    pub(super) fn is_caustic(&self) -> bool {
+        self.class % 2 == 1
+    }
 }
 
 /// Which ways photons take.
@@ -77,8 +87,6 @@ pub(super) struct Landing<'a> {
     pub(super) photon: Photon,
     /// Whether it was spread on its way.
     pub(super) spread_before: bool,
-    /// Whether its first event threw it: what it brings is a caustic.
-    pub(super) caustic: bool,
     pub(super) surface: Surface,
     pub(super) hit: Hit,
     pub(super) detail: Detail,
@@ -117,8 +125,9 @@ pub(super) fn walk(
     }
     let (mut ray, mut from) = (start.ray, start.from);
     let (mut bounces, mut passed, mut inside) = (0u32, 0u32, 0.0f32);
-    // Whether the last event had no spread, whether one had, and whether the first had none.
-    let (mut thrown, mut spread_before, mut caustic) = (false, false, false);
+    // Whether the last event had no spread, whether one had, whether the first had none, and whether each that had
+    // followed one that had none.
+    let (mut thrown, mut spread_before, mut caustic, mut linked) = (false, false, false, true);
     // What the events so far have left, for roulette.
     let mut beta = Rgb::WHITE;
     loop {
@@ -144,8 +153,10 @@ pub(super) fn walk(
             return;
         }
         let wi = -ray.d;
-        let photon = Photon { p: surface.p, wi, ng: surface.ng, power, inside, bounces, light };
-        let landing = Landing { photon, spread_before, caustic, surface, hit, detail, index, material };
+        let class = light_class(light, caustic) as u8;
+        let (p, ng) = (surface.p, surface.ng);
+        let photon = Photon { p, wi, ng, power, inside, bounces, class, linked: linked && thrown };
+        let landing = Landing { photon, spread_before, surface, hit, detail, index, material };
         let lands = (thrown || way != Way::Thrown) && spreads(material, &landing.detail);
         if lands {
             landed(&landing, counters);
@@ -162,6 +173,7 @@ pub(super) fn walk(
         let u = address.block(bounces, Purpose::Bsdf, 0, 0);
         let Some(next) = scatter(scene, &landing, lands, u) else { return };
         let Scattered { w, weight, delta } = next;
+        linked &= delta || thrown;
         (thrown, spread_before) = (delta, spread_before || !delta);
         caustic |= delta && bounces == 0;
         power *= weight;
