@@ -10,6 +10,7 @@ mod bsdf;
 mod caustics;
 mod fast;
 mod golden;
+mod indirect;
 mod naive;
 mod report;
 mod second;

@@ -4,9 +4,9 @@
 
 use std::fmt::Write as _;
 
-use epsilux::film::{CrossCell, LIGHT_CLASSES};
+use epsilux::film::{CrossCell, Doubt, LIGHT_CLASSES};
 use epsilux::integrate::{Quiet, RenderOptions, render, second_opinion};
-use epsilux::prepare::prepare;
+use epsilux::prepare::{CausticsMode, prepare};
 use epsilux::scene::Scene;
 use epsilux::scene::text::parse_toml;
 use epsilux::stats::{normal_quantile, sidak_each};
@@ -32,8 +32,14 @@ fn few_carry_most(name: &str) -> bool {
     ["roughness 0.25", "rough glass", "glass of roughness", "smooth glass"].iter().any(|n| name.contains(n))
 }
 
-/// Compares both in each cell and class where they are sharp; the whole has to be sharp enough to see `bound`.
-fn compare(name: &str, scene: &Scene, [passes, photons]: [u32; 2], bound: f64) -> Result<(), String> {
+/// Compares both in each cell and class where they are sharp; the whole has to be sharp enough to see `bound`. The
+/// difference in all over its standard error, where that is known.
+fn compare(
+    name: &str,
+    scene: &Scene,
+    [passes, photons]: [u32; 2],
+    bound: f64,
+) -> Result<Option<f64>, String> {
     let prepared = prepare(scene, &options([32, 32], seed(name), Some(8))).expect("a camera");
     let passes = RenderOptions { threads: 1, ..RenderOptions::passes(0..passes) };
     let mut film = render(&prepared, &passes, &Quiet).expect("passes").film;
@@ -77,45 +83,55 @@ fn compare(name: &str, scene: &Scene, [passes, photons]: [u32; 2], bound: f64) -
         let _ = write!(wrong, " too noisy to see {} %", 100.0 * bound);
     }
     keep(&format!("second, {name}"), &report);
-    if wrong.is_empty() { Ok(()) } else { Err(format!("{report}\n   {wrong}")) }
+    if wrong.is_empty() { Ok(whole_too.then(|| whole.0 / whole.1)) } else { Err(format!("{report}\n   {wrong}")) }
 }
 
 fn check_all(scenes: Vec<(String, Scene)>, passes: [u32; 2], bound: impl Fn(&str) -> f64) {
     assert!(!scenes.is_empty());
-    let check =
-        |(name, scene): &(String, Scene)| compare(name, &valid(scene), passes, bound(name)).err();
-    let failures: Vec<String> = scenes.iter().filter_map(check).collect();
+    let (mut failures, mut all) = (Vec::new(), Vec::new());
+    for (name, scene) in &scenes {
+        match compare(name, &valid(scene), passes, bound(name)) {
+            Ok(z) => all.extend(z),
+            Err(wrong) => failures.push(wrong),
+        }
+    }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+    // Errors of all scenes in one direction show in their sum before they show in any of them.
+    let z = all.iter().sum::<f64>() / (all.len() as f64).sqrt();
+    assert!(z.abs() < 4.5, "z of all together {z:+.2}");
 }
 
 /// Guards how photons leave every kind of light.
 #[test]
 fn lights() {
-    check_all(features::lights(), [64, 1024], |_| 0.15);
+    check_all(features::lights(), [64, 1024], |_| 0.5);
 }
 
 /// Guards every material: photons are scattered as paths are.
 #[test]
 fn materials() {
-    check_all(features::materials(), [64, 1024], |_| 0.15);
+    check_all(features::materials(), [64, 1024], |_| 0.65);
 }
 
 /// Guards layers, which are not reciprocal.
 #[test]
 fn layers() {
-    check_all(features::layers(), [64, 1024], |_| 0.15);
+    check_all(features::layers(), [64, 1024], |_| 0.65);
 }
 
 /// Guards instances, interpolated normals, hidden objects and cameras.
 #[test]
 fn shapes_and_cameras() {
-    check_all(features::shapes_and_cameras(), [64, 1024], |_| 0.15);
+    check_all(features::shapes_and_cameras(), [64, 1024], |_| 0.65);
 }
 
 /// Guards light that goes through absorbing bodies.
 #[test]
 fn lights_and_media() {
-    check_all(features::lights_and_media(), [128, 1024], |_| 0.3);
+    let mut scenes = features::lights_and_media();
+    // Paths do not meet a point by way of a smooth surface.
+    scenes.retain(|(name, _)| name != "a point inside of an absorber");
+    check_all(scenes, [128, 1024], |_| 0.65);
 }
 
 /// Guards rooms in which light is spread many times, and classes of light from several lamps.
@@ -125,5 +141,61 @@ fn rooms() {
     enlarge(&mut hexroom, "light", 4.8);
     let cornell = parse_toml(include_str!("../../scenes/cornell.toml")).expect("a scene").0;
     let scenes = [("hexroom", hexroom), ("cornell", cornell), ("everything", features::everything())];
-    check_all(scenes.map(|(name, scene)| (name.to_owned(), scene)).to_vec(), [128, 2048], |_| 0.15);
+    let scenes = scenes.map(|(name, scene)| (name.to_owned(), scene)).to_vec();
+    check_all(scenes, [128, 2048], |name| if name == "everything" { 0.6 } else { 0.07 });
+}
+
+/// A render of some passes, and why its error is doubted.
+fn doubt(scene: &Scene, seed: u64, caustics: CausticsMode, passes: u32) -> Option<Doubt> {
+    let mut options = options([64, 64], seed, None);
+    options.algorithms.caustics = caustics;
+    let prepared = prepare(scene, &options).expect("a camera");
+    let passes = RenderOptions { threads: 1, ..RenderOptions::passes(0..passes) };
+    let film = render(&prepared, &passes, &Quiet).expect("passes").film;
+    film.error().expect("an estimate").doubt
+}
+
+fn file(text: &str) -> Scene {
+    valid(&parse_toml(text).expect("a scene").0)
+}
+
+/// Guards what the second opinion is for: light behind a pinhole, which no path finds, is missed, and it is
+/// known which.
+#[test]
+fn a_pinhole_is_noticed() {
+    let scene = file(include_str!("../../fixtures/text/pinhole.toml"));
+    let prepared = prepare(&scene, &options([64, 64], 0, None)).expect("a camera");
+    for run in 0..2 {
+        match doubt(&scene, seed("pinhole") ^ run, CausticsMode::Path, 64) {
+            Some(Doubt::LightNotFound { share, light: Some(light), caustic: false, .. }) => {
+                assert!(share > 0.05, "{share}");
+                assert_eq!(prepared.lights_apart()[usize::from(light)], "light \"lamp\"");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// Guards caustics that paths have not found, and that photons which supply them are found sound.
+#[test]
+fn missing_caustics_are_noticed() {
+    let scene = file(include_str!("../../scenes/caustic.toml"));
+    let found = doubt(&scene, seed("caustic"), CausticsMode::Path, 32);
+    assert!(matches!(found, Some(Doubt::LightNotFound { caustic: true, .. })), "{found:?}");
+    let found = doubt(&scene, seed("caustic"), CausticsMode::Photon, 32);
+    assert!(!matches!(found, Some(Doubt::LightNotFound { .. })), "{found:?}");
+}
+
+/// Guards sound pictures, and those that are only noisy.
+#[test]
+fn sound_pictures_are_not_doubted() {
+    for (name, text) in [
+        ("cornell", include_str!("../../scenes/cornell.toml")),
+        ("hexroom-diffuse", include_str!("../../scenes/hexroom-diffuse.toml")),
+        ("materials", include_str!("../../scenes/materials.toml")),
+        ("many-lights", include_str!("../../fixtures/golden/many-lights/scene.toml")),
+    ] {
+        let found = doubt(&file(text), seed(name), CausticsMode::Path, 48);
+        assert!(!matches!(found, Some(Doubt::LightNotFound { .. })), "{name}: {found:?}");
+    }
 }
