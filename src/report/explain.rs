@@ -226,6 +226,7 @@ mod tests {
             kernel: 1,
             replications: 4,
             caustics: Caustics::Path,
+            indirect: crate::prepare::Indirect::Path,
         };
         let explanation = Explanation::new(&plan, &notes);
         insta::assert_snapshot!(explanation.to_string(), @r#"

@@ -88,7 +88,7 @@ impl<'a> Second<'a> {
     /// The way of a photon, the half that it belongs to, its index there, and how often it counts: halves take turns,
     /// and each is a sequence of its own.
     fn way(&self, index: u32) -> (Walk<'_>, u32, u32, f32) {
-        let Photons { casting, everywhere } = self.photons;
+        let Photons { casting, everywhere, .. } = self.photons;
         let walk = |lights, way| Walk { scene: self.scene, lights, casts: &casting.casts, way };
         if casting.lights.aim().targets().is_empty() {
             return (walk(everywhere, Way::Any), 0, index, 1.0);
