@@ -457,7 +457,11 @@ impl Job {
         let partial = image.count.as_ref().is_some_and(|c| c.contains(&0));
         Ok(Rendered {
             image,
-            stated: Stated { passes: std::iter::once(0..self.passes).collect(), partial, ..Stated::default() },
+            stated: Stated {
+                passes: std::iter::once(0..self.passes).collect(),
+                partial,
+                ..Stated::default()
+            },
             plan: prepare::analyse(scene, &scene.cameras[index], &self.prepare),
             added: self.passes,
             reached: false,

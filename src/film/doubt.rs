@@ -15,7 +15,7 @@
 //! is passed over.
 
 use super::cross::{Level, relative};
-use super::{Film, LIGHT_CLASSES};
+use super::{ErrorEstimate, Film, LIGHT_CLASSES};
 
 /// Chance that sound paths are doubted, at most.
 const FALSE_ALARMS: f64 = 1e-4;
@@ -156,6 +156,8 @@ impl Film {
         let classes: Vec<usize> = (0..LIGHT_CLASSES).filter(seen).collect();
         let tests = (cells.len() * (classes.len() + 1)) as f64;
         let limit = (2.0 * libm::log(tests / FALSE_ALARMS)).sqrt();
+        // Where noise is so large that nobody knows how large, that is no reason to keep quiet.
+        let bearable = error.min(ErrorEstimate::NOISIEST);
         let mut worst: Option<(f64, Doubt)> = None;
         for level in cells.chunk_by(|a, b| a.level == b.level) {
             for class in classes.iter().map(|&k| Some(k)).chain([None]) {
@@ -177,14 +179,13 @@ impl Film {
                     if square > most {
                         most = square;
                         let least = missing - AT_LEAST * sigma;
-                        let share =
-                            if cell.luminance > 0.0 { least / cell.luminance } else { f64::INFINITY };
+                        let share = if cell.luminance > 0.0 { least / cell.luminance } else { f64::INFINITY };
                         let light = class.map(|k| (k / 2) as u8);
                         let caustic = class.is_some_and(|k| k % 2 == 1);
                         doubt = Some(Doubt::LightNotFound { pixels: cell.pixels, share, light, caustic });
                     }
                 }
-                if squares.sqrt() > MATERIAL * error && worst.is_none_or(|(w, _)| squares > w) {
+                if squares.sqrt() > MATERIAL * bearable && worst.is_none_or(|(w, _)| squares > w) {
                     worst = doubt.map(|d| (squares, d));
                 }
             }

@@ -103,7 +103,9 @@ impl Film {
         film.layers.iter_mut().flat_map(|l| &mut l.brightest).for_each(|v| *v = f32::from_bits(number()));
         film.cross.iter_mut().flat_map(|c| &mut c.tiles).for_each(|n| *n = number());
         let traced = film.cross.iter_mut().map(|c| &mut c.traced);
-        traced.chain(&mut film.refused).for_each(|n| *n = u64::from_le_bytes(take(8).try_into().unwrap_or_default()));
+        traced
+            .chain(&mut film.refused)
+            .for_each(|n| *n = u64::from_le_bytes(take(8).try_into().unwrap_or_default()));
         Ok(film)
     }
 }

@@ -97,7 +97,14 @@ impl PhotonLights {
                 let (w, pdf) = self.aim.direction(*position, None, aim)?;
                 let factor = spot.as_ref().map_or(1.0, |s| s.factor(w));
                 let power = *intensity * (factor / (pdf * pmf));
-                lit(Emission { light, ray: Ray::new(*position, w), from: none, power, p: *position, cos: 1.0 })
+                lit(Emission {
+                    light,
+                    ray: Ray::new(*position, w),
+                    from: none,
+                    power,
+                    p: *position,
+                    cos: 1.0,
+                })
             }
             Emitter::Sun { towards, irradiance, one_minus_cos, .. } => {
                 if *one_minus_cos == 0.0 {

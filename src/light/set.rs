@@ -441,13 +441,23 @@ impl LightSet {
     /// camera rays see it, and the density with which [`Self::sample`] would have found it (given the
     /// context it would have been sampled from).
     #[inline]
-    pub fn distant(&self, d: Vec3, ctx: Option<&LightContext>, mut found: impl FnMut(LightId, Rgb, bool, f32)) {
+    pub fn distant(
+        &self,
+        d: Vec3,
+        ctx: Option<&LightContext>,
+        mut found: impl FnMut(LightId, Rgb, bool, f32),
+    ) {
         for &i in &self.distant {
             let light = LightId(i);
             let pmf = ctx.map_or(0.0, |c| self.pick.pmf(c.p, i as usize));
             match &self.emitters[i as usize] {
                 &Emitter::Environment { radiance, visible_to_camera } => {
-                    found(light, radiance, visible_to_camera, ctx.map_or(0.0, |c| environment_pdf(c, d)) * pmf);
+                    found(
+                        light,
+                        radiance,
+                        visible_to_camera,
+                        ctx.map_or(0.0, |c| environment_pdf(c, d)) * pmf,
+                    );
                 }
                 Emitter::Panorama { map, visible_to_camera } => {
                     let pdf = if ctx.is_some() { map.pdf(d) } else { 0.0 };
@@ -589,14 +599,7 @@ fn surface(
     })
 }
 
-fn distant(
-    ctx: &LightContext,
-    light: LightId,
-    wi: Vec3,
-    weight: Rgb,
-    pdf: f32,
-    delta: bool,
-) -> LightSample {
+fn distant(ctx: &LightContext, light: LightId, wi: Vec3, weight: Rgb, pdf: f32, delta: bool) -> LightSample {
     let shadow_ray = Ray::new(offset_origin(ctx.p, ctx.p_err, ctx.ng, wi), wi);
     LightSample { light, wi, weight, pdf, delta, shadow_ray, target: PrimitiveId::NONE, cos: 1.0 }
 }

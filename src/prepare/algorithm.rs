@@ -107,9 +107,10 @@ pub(super) fn indirect(
     match algorithms.indirect {
         Indirect::Path => (Indirect::Path, "asked for"),
         Indirect::Photon if algorithms.unbiased => (Indirect::Path, "a photon map has a bias"),
-        Indirect::Photon if !photons_can(scene, folded) => {
-            (Indirect::Path, "there is no light, or bodies have priorities, where it is not known what photons are in")
-        }
+        Indirect::Photon if !photons_can(scene, folded) => (
+            Indirect::Path,
+            "there is no light, or bodies have priorities, where it is not known what photons are in",
+        ),
         Indirect::Photon => (
             Indirect::Photon,
             "asked for: a photon map where a path is spread for the second time; its bias vanishes as passes are added",

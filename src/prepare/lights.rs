@@ -15,7 +15,8 @@ use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::film::LIGHTS_APART;
 use crate::light::{
-    Ellipse, Emitter, LightId, Panorama, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight, from_triangles,
+    Ellipse, Emitter, LightId, Panorama, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight,
+    from_triangles,
 };
 use crate::scene::{
     AreaShape, Environment, EnvironmentImage, Light, LightKind, Pixels, Scene, Sides, SpotFalloff, Texels,
@@ -94,8 +95,7 @@ pub(crate) struct Apart {
 impl Apart {
     /// The most powerful groups, and all others together; `scene_radius` is that of a ball around everything.
     pub(super) fn new(groups: &[Group], scene_radius: f64) -> Self {
-        let power =
-            |g: &Group| g.emitters.iter().map(|e| e.power(scene_radius)).sum::<f64>();
+        let power = |g: &Group| g.emitters.iter().map(|e| e.power(scene_radius)).sum::<f64>();
         let mut order: Vec<(f64, usize)> = groups.iter().map(power).zip(0..).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut number = vec![0u8; groups.len()];
@@ -353,5 +353,9 @@ pub(super) fn brightest(groups: &[Group], camera: DVec3, scene_radius: f64) -> f
         Emitter::Sun { irradiance, .. } => *irradiance,
         Emitter::Point { position, intensity, .. } => irradiance(*position, *intensity),
     };
-    groups.iter().flat_map(|g| &g.emitters).map(|e| radiance(e).max_channel()).fold(f32::MIN_POSITIVE, f32::max)
+    groups
+        .iter()
+        .flat_map(|g| &g.emitters)
+        .map(|e| radiance(e).max_channel())
+        .fold(f32::MIN_POSITIVE, f32::max)
 }

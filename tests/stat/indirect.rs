@@ -50,7 +50,13 @@ fn means(name: &str, scene: &Scene, algorithms: Algorithms, passes: std::ops::Ra
 
 /// Renders by paths, by photons of the first passes and by those of late ones; late ones may differ by what noise
 /// explains and by `bias`, and the whole has to be sharp enough to see `bound`.
-fn check(name: &str, scene: &Scene, caustics: CausticsMode, [photons, paths]: [u32; 2], [bias, bound]: [f64; 2]) {
+fn check(
+    name: &str,
+    scene: &Scene,
+    caustics: CausticsMode,
+    [photons, paths]: [u32; 2],
+    [bias, bound]: [f64; 2],
+) {
     let algorithms = |indirect| Algorithms { caustics, indirect, ..Algorithms::default() };
     let by_paths = means(name, scene, algorithms(Indirect::Path), 0..paths);
     let early = means(name, scene, algorithms(Indirect::Photon), 0..photons);

@@ -83,7 +83,11 @@ fn compare(
         let _ = write!(wrong, " too noisy to see {} %", 100.0 * bound);
     }
     keep(&format!("second, {name}"), &report);
-    if wrong.is_empty() { Ok(whole_too.then(|| whole.0 / whole.1)) } else { Err(format!("{report}\n   {wrong}")) }
+    if wrong.is_empty() {
+        Ok(whole_too.then(|| whole.0 / whole.1))
+    } else {
+        Err(format!("{report}\n   {wrong}"))
+    }
 }
 
 fn check_all(scenes: Vec<(String, Scene)>, passes: [u32; 2], bound: impl Fn(&str) -> f64) {
@@ -179,11 +183,15 @@ fn a_pinhole_is_noticed() {
 /// Guards caustics that paths have not found, and that photons which supply them are found sound.
 #[test]
 fn missing_caustics_are_noticed() {
-    let scene = file(include_str!("../../scenes/caustic.toml"));
-    let found = doubt(&scene, seed("caustic"), CausticsMode::Path, 32);
-    assert!(matches!(found, Some(Doubt::LightNotFound { caustic: true, .. })), "{found:?}");
-    let found = doubt(&scene, seed("caustic"), CausticsMode::Photon, 32);
-    assert!(!matches!(found, Some(Doubt::LightNotFound { .. })), "{found:?}");
+    for text in
+        [include_str!("../../scenes/caustic.toml"), include_str!("../../fixtures/text/small-lamp.toml")]
+    {
+        let scene = file(text);
+        let found = doubt(&scene, seed("caustic"), CausticsMode::Path, 32);
+        assert!(matches!(found, Some(Doubt::LightNotFound { caustic: true, .. })), "{found:?}");
+        let found = doubt(&scene, seed("caustic"), CausticsMode::Photon, 32);
+        assert!(!matches!(found, Some(Doubt::LightNotFound { .. })), "{found:?}");
+    }
 }
 
 /// Guards sound pictures, and those that are only noisy.

@@ -173,7 +173,10 @@ pub(in crate::integrate) fn gathered(
     let most = scene.max_depth.map_or(u32::MAX, |cap| cap.saturating_sub(place.depth + 1));
     let mut sums = [Rgb::BLACK; LIGHT_CLASSES];
     map.within(context.p, r, &mut |photon, d2| {
-        if photon.ng.dot(context.ng) < SAME_SURFACE || photon.bounces > most || (photon.linked && !place.linked) {
+        if photon.ng.dot(context.ng) < SAME_SURFACE
+            || photon.bounces > most
+            || (photon.linked && !place.linked)
+        {
             return;
         }
         let value = scatter::f_and_pdf(scene.simulates, bsdf, frame, photon.wi, Transport::Radiance);

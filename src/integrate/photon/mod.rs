@@ -134,8 +134,7 @@ impl<'a> Tracer<'a> {
     }
 
     fn trace_caustics(&self, pass: u32, part: Range<u32>, counters: &mut Counters) -> Traced {
-        let mut traced =
-            Traced { layer: LightLayer::Caustic, photons: Vec::new(), splats: Vec::new() };
+        let mut traced = Traced { layer: LightLayer::Caustic, photons: Vec::new(), splats: Vec::new() };
         let maps = self.maps_caustics();
         let share = 1.0 / self.counts[0] as f32;
         let Casting { lights, casts } = &self.photons.casting;
@@ -153,8 +152,7 @@ impl<'a> Tracer<'a> {
     }
 
     fn trace_indirect(&self, pass: u32, part: Range<u32>, counters: &mut Counters) -> Traced {
-        let mut traced =
-            Traced { layer: LightLayer::Indirect, photons: Vec::new(), splats: Vec::new() };
+        let mut traced = Traced { layer: LightLayer::Indirect, photons: Vec::new(), splats: Vec::new() };
         let share = 1.0 / self.counts[1] as f32;
         let Photons { everywhere, casting, .. } = self.photons;
         let walk = Walk { scene: self.scene, lights: everywhere, casts: &casting.casts, way: Way::Any };
@@ -190,9 +188,7 @@ impl<'a> Tracer<'a> {
         let few = (INDIRECT_GATHERED / self.counts[1] as f32).sqrt();
         let fixed = self.photons.view * few.min(INDIRECT_RADIUS);
         Maps {
-            caustics: self
-                .maps_caustics()
-                .then(|| PhotonMap::new(photons(LightLayer::Caustic), scale, None)),
+            caustics: self.maps_caustics().then(|| PhotonMap::new(photons(LightLayer::Caustic), scale, None)),
             indirect: (self.counts[1] > 0)
                 .then(|| PhotonMap::new(photons(LightLayer::Indirect), scale, Some(fixed))),
         }

@@ -162,7 +162,9 @@ pub(super) fn walk(
             landed(&landing, counters);
         }
         // A path from the camera has these events, the next one, and one where the photon lands.
-        if !(casts || lands || way != Way::Thrown) || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
+        if !(casts || lands || way != Way::Thrown)
+            || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap)
+        {
             return;
         }
         if bounces >= FAR_CAP {
