@@ -300,7 +300,8 @@ impl Job {
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
-        rendered.image.attributes = rendered.stated.attributes(&self.identity(&rendered.plan, &hash, &rendered.prices)?);
+        rendered.image.attributes =
+            rendered.stated.attributes(&self.identity(&rendered.plan, &hash, &rendered.prices)?);
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
         for path in &self.outputs {
@@ -382,6 +383,7 @@ impl Job {
             crop: self.crop,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
+            layer_noise: false,
         };
         let identity = self.identity(&prepared.plan, hash, &prices)?;
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);

@@ -61,9 +61,7 @@ impl Albedos for Rows {
 
     fn grazing(&mut self, alpha: f32, eta: f32, f0: f32) -> Albedo {
         let fresnel = self.fresnel;
-        self.get(2, alpha, eta, |mu| {
-            tables::reflected(mu, alpha, |cos| fresnel.grazing_share(cos, eta, f0))
-        })
+        self.get(2, alpha, eta, |mu| tables::reflected(mu, alpha, |cos| fresnel.grazing_share(cos, eta, f0)))
     }
 
     fn grazing_average(&mut self, eta: f32, f0: f32) -> f32 {
@@ -286,9 +284,8 @@ impl Tables {
             ((1.0 + s) / (1.0 - s), s * s)
         };
         let share = move |cos, eta, f0| fresnel.grazing_share(cos, eta, f0);
-        let total = |eta| {
-            Table::new(roughness, move |mu, alpha| tables::dielectric_total(mu, alpha, eta, fresnel))
-        };
+        let total =
+            |eta| Table::new(roughness, move |mu, alpha| tables::dielectric_total(mu, alpha, eta, fresnel));
         // What is left when the white lobe times the share at one cosine is taken off: small and even, where
         // the whole rises too steeply towards grazing to be interpolated.
         let grazing = |node| {
@@ -315,9 +312,8 @@ impl Tables {
             grazing_average: root.nodes().map(grazing_average).collect(),
             coat: span.coat.map(|(ior, roughness)| {
                 let ior = f32::from_bits(ior);
-                let reflected = move |mu, alpha| {
-                    tables::reflected(mu, alpha, |cos| fresnel.dielectric(cos, ior).0)
-                };
+                let reflected =
+                    move |mu, alpha| tables::reflected(mu, alpha, |cos| fresnel.dielectric(cos, ior).0);
                 Table::new(nodes(roughness), reflected)
             }),
             sheen: span.sheen.map(|roughness| {
@@ -451,7 +447,8 @@ mod tests {
     fn tables_follow_the_rows_over_reflectance() {
         for roughness in [0.037, 0.3, 0.8] {
             let span = Span::new(Some(roughness), [0.0, 0.4], Some(1.5)).coat(1.5, Some(roughness));
-            let worst = worst(&Tables::new(span, Fresnel::Exact), &[roughness], &[0.03, 0.05, 0.13, 0.2, 0.37]);
+            let worst =
+                worst(&Tables::new(span, Fresnel::Exact), &[roughness], &[0.03, 0.05, 0.13, 0.2, 0.37]);
             assert!(worst.iter().all(|w| *w < 2e-3), "{roughness} {worst:?}");
         }
     }

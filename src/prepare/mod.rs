@@ -41,8 +41,8 @@ pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
 pub use nesting::{Inside, Medium};
 pub use plan::{Choice, EXACT, Effect, Effects, KERNELS, KernelSet, LeftOut, Need, Plan, Unseen};
-pub use shortcuts::{Omission, Omissions, Shortcut, Shortcuts, shortcuts_of};
 pub(crate) use shortcuts::{Kept, Way};
+pub use shortcuts::{Omission, Omissions, Shortcut, Shortcuts, shortcuts_of};
 pub use surface::Surface;
 
 use glam::DVec3;

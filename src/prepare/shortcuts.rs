@@ -171,13 +171,16 @@ impl Shortcut {
     #[must_use]
     pub fn idle(&self, scene: &Scene, plan: &Plan) -> Option<String> {
         let folded = fold(scene, Effects::EVERYTHING);
-        let any = |is: &dyn Fn(usize) -> bool| (0..scene.materials.len()).any(|i| folded.uses[i].used && is(i));
+        let any =
+            |is: &dyn Fn(usize) -> bool| (0..scene.materials.len()).any(|i| folded.uses[i].used && is(i));
         let spread = any(&|i| spreads(&folded.kinds[i]));
         let reason = match self {
             Self::Without(Omission::Effect(effect)) => {
                 return plan.left_out.iter().find(|l| l.effect == *effect).map(|l| l.reason.clone());
             }
-            Self::Without(Omission::Indirect) | Self::IndirectGain(_) if !spread => "no surface spreads light",
+            Self::Without(Omission::Indirect) | Self::IndirectGain(_) if !spread => {
+                "no surface spreads light"
+            }
             Self::Without(Omission::Caustics) if !spread => "no surface spreads light",
             Self::Without(Omission::Caustics) if !any(&|i| casts(scene, &folded.kinds[i]).is_some()) => {
                 "no surface is so smooth that it would focus light"
@@ -213,13 +216,10 @@ pub fn shortcuts_of(scene: &Scene, plan: &Plan) -> Vec<Shortcut> {
 impl Shortcut {
     /// Refuses numbers that mean nothing.
     fn check(&self) -> Result<(), PrepareError> {
-        let refuse = |found: f32, expected| {
-            Err(PrepareError::Shortcut { shortcut: self.flag(), found, expected })
-        };
+        let refuse =
+            |found: f32, expected| Err(PrepareError::Shortcut { shortcut: self.flag(), found, expected });
         match *self {
-            Self::Clamp(most) if !(most > 0.0 && most.is_finite()) => {
-                refuse(most, "a radiance above zero")
-            }
+            Self::Clamp(most) if !(most > 0.0 && most.is_finite()) => refuse(most, "a radiance above zero"),
             Self::IndirectGain(gain) if !(0.0..=MAX_INDIRECT_GAIN).contains(&gain) => {
                 refuse(gain, "a factor from 0 to a million")
             }
@@ -233,8 +233,7 @@ impl Options {
     #[must_use]
     pub fn shortcuts_taken(&self) -> Vec<Shortcut> {
         let Shortcuts { without, clamp, fresnel, indirect_gain } = self.shortcuts;
-        let mut taken: Vec<_> =
-            Omission::all().filter(|&o| without.has(o)).map(Shortcut::Without).collect();
+        let mut taken: Vec<_> = Omission::all().filter(|&o| without.has(o)).map(Shortcut::Without).collect();
         taken.extend(self.max_depth.map(Shortcut::MaxDepth));
         taken.extend(clamp.map(Shortcut::Clamp));
         taken.extend((fresnel == Fresnel::Schlick).then_some(Shortcut::Schlick));

@@ -116,7 +116,9 @@ pub fn price(
         let plan = render.plan(&full)?;
         let idle: Vec<_> = shortcuts.iter().map(|s| s.idle(scene, &plan)).collect();
         let price = match idle.into_iter().collect::<Option<Vec<_>>>() {
-            Some(reasons) => Err(reasons.into_iter().next().unwrap_or_else(|| "nothing is left out".to_owned())),
+            Some(reasons) => {
+                Err(reasons.into_iter().next().unwrap_or_else(|| "nothing is left out".to_owned()))
+            }
             None => render.price(&full, shortcuts)?,
         };
         list.push(Priced { shortcuts: shortcuts.clone(), price });
@@ -177,7 +179,8 @@ impl Runs<'_> {
         let paired = Paired::new(pixels(full), pixels(short), self.budget.passes, work);
         let paired = paired.ok_or_else(|| "the picture is black".to_owned())?;
         let layer = |layer: LightLayer| {
-            let means = |r: &Rendered| -> Vec<f64> { r.runs.iter().map(|r| r.layers[layer as usize]).collect() };
+            let means =
+                |r: &Rendered| -> Vec<f64> { r.runs.iter().map(|r| r.layers[layer as usize]).collect() };
             (layer, paired.bias_of(&means(full), &means(short)))
         };
         let samples = full.runs.len() as f64

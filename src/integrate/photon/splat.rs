@@ -61,11 +61,8 @@ pub(super) fn splat(
     if let Some(medium) = medium.absorbs {
         radiance *= interior(scene, medium, photon.inside);
     }
-    let way = || Way {
-        events: photon.bounces + 1,
-        spread: 1 + u32::from(landing.spread_before),
-        caustic: true,
-    };
+    let way =
+        || Way { events: photon.bounces + 1, spread: 1 + u32::from(landing.spread_before), caustic: true };
     Some(Splat { pixel: y * width + x, radiance: scene.kept.of(radiance, way) })
 }
 

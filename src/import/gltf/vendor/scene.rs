@@ -8,9 +8,7 @@ use super::{Root, choose};
 use crate::color::Rgb;
 use crate::scene::extension::{EnvironmentTable, FilmTable, SceneTable};
 use crate::scene::notes::Notes;
-use crate::scene::{
-    Environment, EnvironmentImage, MAX_INDIRECT_GAIN, MAX_SIDE, NoteEffect, Scene, Settings,
-};
+use crate::scene::{Environment, EnvironmentImage, MAX_INDIRECT_GAIN, MAX_SIDE, NoteEffect, Scene, Settings};
 
 /// The most by which an environment may be turned, radians: a few turns.
 const MAX_ROTATION: f64 = 1e3;
