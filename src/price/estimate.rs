@@ -169,10 +169,8 @@ impl Paired {
         let c = FLOOR * mean;
         let [a, b] = [0, 1].map(|h| weights(&sums[h], runs[h], width, c));
         let [even, odd] = sums;
-        let halves = [
-            Half { sums: even, weights: b, runs: runs[0] },
-            Half { sums: odd, weights: a, runs: runs[1] },
-        ];
+        let halves =
+            [Half { sums: even, weights: b, runs: runs[0] }, Half { sums: odd, weights: a, runs: runs[1] }];
         let relative = Relative { bias2: 0.0, variance: [0.0; 2], gain: 0.0 };
         let passes = f64::from(passes);
         let mut paired = Self { full, short, halves, passes, work, relative, left_out: Vec::new() };
@@ -323,6 +321,26 @@ mod tests {
         assert!((181..=199).contains(&means) && (181..=199).contains(&pixels), "{means} {pixels}");
     }
 
+    /// Guards R against the runs that it divides: where one sample in five brings nearly all of the light, and the short
+    /// picture lacks it, the bias of pixels is right on average. Divided by a pixel's own mean it comes out a third too
+    /// small.
+    #[test]
+    fn rare_light_does_not_shrink_its_own_error() {
+        let mut squares = 0.0;
+        const TRIALS: u64 = 40;
+        for seed in 0..TRIALS {
+            let mut random = Numbers(1000 + seed);
+            let mut rare = || if random.next() < 0.7 { 5.5 } else { 0.5 };
+            let full: Vec<Vec<f64>> = (0..RUNS).map(|_| (0..PIXELS).map(|_| rare()).collect()).collect();
+            let short = vec![vec![0.5; PIXELS]; RUNS];
+            let error = Paired::new(full, short, 8, 1, 1.0).expect("runs").error().value;
+            squares += error * error / TRIALS as f64;
+        }
+        // B = 1, R = 1.5, c = 0.15.
+        let expected = 1.0 / (1.5f64 * 1.5 * 1.01).sqrt();
+        assert!((squares.sqrt() / expected - 1.0).abs() < 0.06, "{} {expected}", squares.sqrt());
+    }
+
     /// Guards what is said where there is nothing to say: noise alone is no bias, no gain is no gain, and a shortcut
     /// that takes more work for the same picture is never better.
     #[test]
@@ -332,7 +350,10 @@ mod tests {
         assert!(paired.bias().may_be_zero() && paired.error().interval[0] == 0.0);
         assert_eq!(paired.better(), Better::Unknown);
         let [full, short] = runs(4, |v, _| v);
-        assert_eq!(Paired::new(full.clone(), short.clone(), 8, 1, 1.2).expect("runs").better(), Better::Never);
+        assert_eq!(
+            Paired::new(full.clone(), short.clone(), 8, 1, 1.2).expect("runs").better(),
+            Better::Never
+        );
         let Better::Until(until) = Paired::new(full, short, 8, 1, 0.5).expect("runs").better() else {
             panic!("less work")
         };

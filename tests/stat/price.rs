@@ -213,8 +213,8 @@ fn a_clamp_spares_what_one_event_brings() {
     let base = options(SIZE, seed("clamp"), None);
     let direct = prices(&scene, &base, &[Shortcut::Clamp(1e-6)], 8).remove(0);
     assert_eq!((direct.bias.value, direct.variance), (0.0, 1.0), "nothing but direct light");
-    let room = prices(&hexroom(), &base, &[Shortcut::Clamp(0.5), Shortcut::MaxDepth(1)], 8);
-    assert!(room[0].bias.interval[1] < -0.02 && room[0].variance < 1.0, "{:?}", room[0]);
+    let room = prices(&hexroom(), &base, &[Shortcut::Clamp(0.1), Shortcut::MaxDepth(1)], 8);
+    assert!(room[0].bias.interval[1] < -0.005 && room[0].variance < 1.0, "{:?}", room[0]);
     for ((layer, clamped), (_, capped)) in room[0].layers.iter().zip(&room[1].layers) {
         assert!(clamped.value >= capped.value - 1e-9, "{layer:?} lost more than all of its light");
     }
