@@ -30,6 +30,9 @@ pub mod hard_cases {}
 #[doc = include_str!("plan.md")]
 pub mod plan {}
 
+#[doc = include_str!("shortcuts.md")]
+pub mod shortcuts {}
+
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
@@ -45,7 +48,7 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 12] = [
+    const PAGES: [(&str, &str); 13] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
@@ -54,6 +57,7 @@ mod tests {
         ("golden.md", include_str!("golden.md")),
         ("hard-cases.md", include_str!("hard-cases.md")),
         ("plan.md", include_str!("plan.md")),
+        ("shortcuts.md", include_str!("shortcuts.md")),
         ("numbers.md", include_str!("numbers.md")),
         ("long-renders.md", include_str!("long-renders.md")),
         ("report.md", include_str!("report.md")),

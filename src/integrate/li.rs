@@ -19,7 +19,9 @@ use crate::color::Rgb;
 use crate::film::LightLayer;
 use crate::light::LightContext;
 use crate::mutants::planted;
-use crate::prepare::{Caustics, Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
+use crate::prepare::{
+    Caustics, Detail, Effect, Effects, Kept, Medium, Prepared, PreparedMaterial, Surface, Way,
+};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
@@ -168,11 +170,12 @@ impl PathState {
 
     /// Adds light that the path met on its way, unless photons supply it.
     #[inline(always)]
-    fn meet<const LAYERS: bool>(&mut self, found: Rgb) {
+    fn meet<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
         if self.meets_caustic() && self.caustics.by_photons(self.linked) {
             return;
         }
-        let radiance = planted!(clamp(found));
+        let way = || Way { events: self.depth, spread: self.spread, caustic: self.meets_caustic() };
+        let radiance = planted!(clamp(kept.of(found, way)));
         self.radiance += radiance;
         if LAYERS {
             self.layers[self.meets() as usize] += radiance;
@@ -181,17 +184,25 @@ impl PathState {
 
     /// Adds light that was sampled at a vertex that has a spread, on a material that may be `narrow`.
     #[inline(always)]
-    fn lit<const LAYERS: bool>(&mut self, narrow: bool, found: Rgb) {
-        let radiance = planted!(clamp(found));
+    fn lit<const LAYERS: bool>(&mut self, narrow: bool, found: Rgb, kept: &Kept) {
+        let way = || Way {
+            events: self.depth + 1,
+            spread: self.spread + u32::from(!narrow),
+            caustic: narrow && self.spread > 0,
+        };
+        let radiance = planted!(clamp(kept.of(found, way)));
         self.radiance += radiance;
         if LAYERS {
             self.layers[self.samples(narrow) as usize] += radiance;
         }
     }
 
-    /// Adds the light of photons.
+    /// Adds the light of photons around a vertex that has a spread.
     #[inline(always)]
-    fn gather<const LAYERS: bool>(&mut self, radiance: Rgb) {
+    fn gather<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
+        // At least one event threw it here.
+        let way = || Way { events: self.depth + 2, spread: self.spread + 1, caustic: true };
+        let radiance = kept.of(found, way);
         self.radiance += radiance;
         if LAYERS {
             self.layers[LightLayer::Caustic as usize] += radiance;
@@ -286,7 +297,7 @@ fn step<const FX: u32, const LAYERS: bool>(
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
         };
-        path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight);
+        path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight, &scene.kept);
     }
     if scene.max_depth.is_some_and(|cap| path.depth >= planted!(depth_off_by_one(cap))) {
         return Next::Done;
@@ -317,7 +328,9 @@ fn step<const FX: u32, const LAYERS: bool>(
     };
     // What photons supply is not sampled here either.
     let left = prepared.narrow && path.spread > 0 && path.caustics.by_photons(path.linked);
-    if !bsdf.is_delta() && !left {
+    // What would be spread once more counts for nothing where indirect light is left out.
+    let over = !prepared.narrow && scene.kept.ends_after(path.spread);
+    if !bsdf.is_delta() && !left && !over {
         let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
         let before = counters.rays;
@@ -325,7 +338,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         if LAYERS {
             counters.layer_rays[path.samples(prepared.narrow) as usize] += counters.rays - before;
         }
-        path.lit::<LAYERS>(prepared.narrow, path.beta * ld);
+        path.lit::<LAYERS>(prepared.narrow, path.beta * ld, &scene.kept);
         if let Some(map) = map
             && path.depth > 0
             && !prepared.narrow
@@ -333,7 +346,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         {
             let place = (path.depth, path.spread > 0);
             let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
-            path.gather::<LAYERS>(path.beta * caustics);
+            path.gather::<LAYERS>(path.beta * caustics, &scene.kept);
         }
     }
 
@@ -343,6 +356,9 @@ fn step<const FX: u32, const LAYERS: bool>(
     else {
         return Next::Done;
     };
+    if over && !sample.delta {
+        return Next::Done;
+    }
     path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
     path.eta_scale *= sample.eta * sample.eta;
     if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
@@ -486,7 +502,7 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
         }
         sum += beta * planted!(light_energy(hit.radiance)) * weight;
     });
-    path.meet::<LAYERS>(sum);
+    path.meet::<LAYERS>(sum, &scene.kept);
 }
 
 fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
@@ -500,5 +516,5 @@ fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
         let weight = path.sampled.as_ref().map_or(1.0, |s| mis_weight(s.pdf, pdf));
         sum += path.beta * radiance * weight;
     });
-    path.meet::<LAYERS>(sum);
+    path.meet::<LAYERS>(sum, &scene.kept);
 }

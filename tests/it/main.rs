@@ -18,4 +18,5 @@ mod parts;
 mod pruning;
 mod render;
 mod roundtrip;
+mod shortcuts;
 mod tidy;

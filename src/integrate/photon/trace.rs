@@ -106,8 +106,10 @@ pub(super) fn walk(
         if lands {
             landed(&landing, counters);
         }
+        // Where indirect light is left out, what is spread here counts for nothing where it lands next.
+        let spreads_on = lands && !scene.kept.ends_after(1);
         // A path from the camera has these events, the next one, and one where the photon lands.
-        if !(casts || lands) || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
+        if !(casts || spreads_on) || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
             return;
         }
         if bounces >= FAR_CAP {
@@ -116,7 +118,7 @@ pub(super) fn walk(
         }
 
         let u = address.block(bounces, Purpose::Bsdf, 0, 0);
-        let Some(next) = scatter(scene, &landing, lands || material.narrow, u) else { return };
+        let Some(next) = scatter(scene, &landing, spreads_on || material.narrow, u) else { return };
         let Scattered { w, weight, delta } = next;
         thrown = delta || material.narrow;
         spread_before |= !thrown;
@@ -169,7 +171,7 @@ struct Scattered {
     delta: bool,
 }
 
-/// A direction of a delta lobe, or of any other one where the photon is allowed to be spread; `None` where it ends.
+/// A direction of a delta lobe, or of any other one where the photon `may_spread`; `None` where it ends.
 fn scatter(scene: &Prepared, landing: &Landing<'_>, may_spread: bool, u: [f32; 4]) -> Option<Scattered> {
     let Landing { photon, surface, detail, material, .. } = landing;
     let (wi, ng) = (photon.wi, surface.ng);
