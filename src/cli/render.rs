@@ -348,6 +348,7 @@ impl Job {
             crop: self.crop,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
+            layer_noise: false,
         };
         let identity = self.identity(&prepared.plan, hash)?;
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);

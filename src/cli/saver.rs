@@ -58,7 +58,7 @@ impl<'a> Saver<'a> {
                         (show_passes(&part.passes), show_passes(std::slice::from_ref(passes)));
                     return Err(usage(format!("it holds passes {held}, and {asked} were asked for")));
                 }
-                before = Counters { rays: part.rays, capped: part.capped };
+                before = Counters { rays: part.rays, capped: part.capped, ..Counters::default() };
                 Some(part)
             }
         };

@@ -31,7 +31,7 @@ const SPREAD: f64 = 1.75;
 /// The two-sided 95 % quantile of the normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
 /// Share of the mean luminance that is added to what errors are divided by: c above.
-const FLOOR: f64 = 0.1;
+pub(super) const FLOOR: f64 = 0.1;
 /// Below as many pixels that carry the error, the sum over them is not normal enough for its interval.
 const FEWEST: f64 = 60.0;
 /// What the delta method leaves of the relative bias of E^2, times E^2: at most, in simulations of uniform,

@@ -10,6 +10,7 @@ mod error;
 mod fixed;
 mod image;
 mod layers;
+mod shares;
 mod state;
 mod sums;
 
@@ -17,5 +18,6 @@ pub use error::ErrorEstimate;
 pub use fixed::FixedPoint;
 pub use image::{Image, Layer};
 pub use layers::LightLayer;
+pub use shares::LayerShare;
 pub use state::StateError;
 pub use sums::{Features, Film, FilmLayout, Refusal, Sample};

@@ -95,6 +95,7 @@ struct Job<'a> {
     samples: AtomicU64,
     rays: AtomicU64,
     capped: AtomicU64,
+    layer_rays: [AtomicU64; LightLayer::ALL.len()],
     last_report: AtomicU64,
 }
 
@@ -161,6 +162,7 @@ pub(super) fn drive(
         samples: AtomicU64::new(0),
         rays: AtomicU64::new(0),
         capped: AtomicU64::new(0),
+        layer_rays: std::array::from_fn(|_| AtomicU64::new(0)),
         last_report: AtomicU64::new(0),
     };
     pool.broadcast(|_| job.work());
@@ -197,6 +199,10 @@ impl Job<'_> {
         }
     }
 
+    fn records_layers(&self) -> bool {
+        self.options.layers || self.options.layer_noise
+    }
+
     fn tile_count(&self) -> usize {
         self.tiles[0] as usize * self.tiles[1] as usize
     }
@@ -211,6 +217,7 @@ impl Job<'_> {
         let Some(tracer) = self.source.tracer() else { return };
         let mut counters = Counters::default();
         let traced = tracer.trace(pass, chunk, &mut counters);
+        counters.layer_rays[LightLayer::Caustic as usize] = counters.rays;
         self.count(&counters);
         let mut all = Vec::new();
         self.deliver(pass, |pending| {
@@ -245,6 +252,11 @@ impl Job<'_> {
     fn count(&self, counters: &Counters) {
         self.rays.fetch_add(counters.rays, Ordering::Relaxed);
         self.capped.fetch_add(counters.capped, Ordering::Relaxed);
+        if self.records_layers() {
+            for (sum, n) in self.layer_rays.iter().zip(counters.layer_rays) {
+                sum.fetch_add(n, Ordering::Relaxed);
+            }
+        }
     }
 
     /// Left, top, width and height of a tile, within the crop.
@@ -309,7 +321,9 @@ impl Job<'_> {
     }
 
     fn counters(&self) -> Counters {
-        Counters { rays: self.rays.load(Ordering::Relaxed), capped: self.capped.load(Ordering::Relaxed) }
+        let now = |n: &AtomicU64| n.load(Ordering::Relaxed);
+        let layer_rays = std::array::from_fn(|i| now(&self.layer_rays[i]));
+        Counters { rays: now(&self.rays), capped: now(&self.capped), layer_rays }
     }
 
     fn commit(&self, state: &mut FilmState, pass: u32, pending: &Pending) {

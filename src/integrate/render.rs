@@ -34,13 +34,25 @@ pub struct RenderOptions {
     /// Whether to record the parts of the light ([`LightLayer`](crate::film::LightLayer)) and each pixel's
     /// brightest sample.
     pub layers: bool,
+    /// Whether to record the noise of each of these parts ([`Film::layer_shares`]), and the rays that look for it
+    /// ([`Counters::layer_rays`](super::Counters)).
+    pub layer_noise: bool,
 }
 
 impl RenderOptions {
     /// Some passes of the whole picture on all cores, and nothing else.
     #[must_use]
     pub fn passes(passes: Range<u32>) -> Self {
-        Self { passes, time: None, error: None, threads: 0, crop: None, features: false, layers: false }
+        Self {
+            passes,
+            time: None,
+            error: None,
+            threads: 0,
+            crop: None,
+            features: false,
+            layers: false,
+            layer_noise: false,
+        }
     }
 }
 
@@ -285,6 +297,7 @@ pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
         length: scene.length_format,
         features: options.features,
         layers: options.layers,
+        layer_noise: options.layer_noise,
         transparent: scene.transparent,
     }
 }
@@ -305,7 +318,7 @@ pub fn render_onto(
         return Err(RenderError::Film);
     }
     let features = options.features || scene.transparent;
-    let (layers, tracer) = (options.layers, Tracer::new(scene, layout.crop));
+    let (layers, tracer) = (options.layers || options.layer_noise, Tracer::new(scene, layout.crop));
     let source = Planned { scene, kernel: kernel(&scene.plan), tracer, features, layers };
     drive(&source, film, options, control)
 }
