@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::args::{AlgorithmArgs, ProgressArg, SceneArgs};
+use super::compare::unusable;
 use super::console::Console;
 use super::failure::Failure;
 use super::machine::{command_line, cpu_name};
@@ -18,7 +19,7 @@ use super::{Code, load, notes, render, units};
 use crate::check;
 use crate::cost::{self, About, CostError, CostOptions, Effort, Observer};
 use crate::integrate::RunError;
-use crate::output::write_bytes;
+use crate::output::{check_place, write_bytes};
 use crate::prepare::{EffectsMode, Options};
 
 /// Measure what accuracy costs in a scene, and what each effect has to do with it
@@ -128,18 +129,13 @@ fn default_output(scene: &Path) -> PathBuf {
     PathBuf::from(format!("{}.cost.html", stem.display()))
 }
 
-/// Finds out before any work whether a file can be written.
-fn check_output(path: &Path) -> Result<(), Failure> {
-    crate::output::check_folder(path).map_err(|e| Failure::write(e.to_string()))
-}
-
 pub(super) fn run(args: &CostArgs, arguments: &[OsString], console: &Console) -> Result<Code, Failure> {
     let page = match (&args.output, &args.json) {
         (Some(path), _) => Some(path.clone()),
         (None, None) => Some(default_output(&args.scene.scene)),
         (None, Some(_)) => None,
     };
-    page.iter().chain(&args.json).try_for_each(|p| check_output(p))?;
+    page.iter().chain(&args.json).try_for_each(|p| check_place(p)).map_err(|e| unusable(&e))?;
     let loaded = load::load(&args.scene)?;
     if !args.quiet {
         notes::show(&loaded.notes, false, console);

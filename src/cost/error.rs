@@ -79,6 +79,8 @@ pub struct Parts {
     pub squares: Vec<f64>,
     /// V: what differs from seed to seed.
     pub variance: f64,
+    /// What of V is each seed's; the mean is V.
+    pub variances: Vec<f64>,
     /// B: what is the same for all. May be negative, by noise.
     pub bias: f64,
     /// Half the width of the 95 % interval of B.
@@ -97,6 +99,10 @@ impl Parts {
         };
         let (means, variances) = moments(pictures.iter().map(Vec::as_slice));
         let variance = mean(variances.iter().zip(&reference.weights).map(|(v, w)| w * v));
+        let apart = |picture: &Vec<f64>| {
+            let pixels = picture.iter().zip(&means).zip(&reference.weights);
+            mean(pixels.map(|((i, m), w)| w * (i - m) * (i - m))) * seeds / (seeds - 1.0).max(1.0)
+        };
         let biases: Vec<f64> = (0..means.len())
             .map(|p| {
                 let d = means[p] - reference.luminance[p];
@@ -106,6 +112,7 @@ impl Parts {
         Self {
             squares: pictures.iter().map(square).collect(),
             variance,
+            variances: pictures.iter().map(apart).collect(),
             bias: mean(biases.iter().copied()),
             bias_within: Z * standard_error(&biases, reference.width),
             totals: pictures.iter().map(|p| p.iter().sum()).collect(),
@@ -175,6 +182,7 @@ mod tests {
         assert!((parts.bias - shrunk * 9e-4).abs() < 1.5 * parts.bias_within, "{parts:?}");
         assert!(parts.bias_within > 1e-5 && parts.bias_within < 2e-4, "{}", parts.bias_within);
         assert!((parts.square() - parts.bias - parts.variance).abs() < 1e-12);
+        assert!((mean(parts.variances.iter().copied()) / parts.variance - 1.0).abs() < 1e-12);
     }
 
     /// Where there is no bias, the interval of it holds zero, in 95 of 100 trials; of 100, between 88 and 100.

@@ -119,8 +119,8 @@ pub fn measure(
     let mut pictures_of_reference = Vec::new();
     for k in 0..u64::from(REFERENCES) {
         long.seed = base.wrapping_add(APART + k);
-        let (film, _) = work.film(&long, schedule.reference, false, schedule.reference_unit)?;
-        pictures_of_reference.push(luminance(&film.to_image()));
+        let rendered = work.film(&long, schedule.reference, false, schedule.reference_unit)?;
+        pictures_of_reference.push(luminance(&rendered.film.to_image()));
     }
     let width = options.measured[0] as usize;
     let truth = Reference::new(&pictures_of_reference, width).ok_or(CostError::Black)?;

@@ -32,7 +32,7 @@ pub use error::Parts;
 pub use fit::{Fit, Interval};
 pub use measure::{CostError, CostOptions, Effort, Observer, measure};
 pub use numerics::DoubleReference;
-pub use page::{About, page};
+pub use page::{About, page, summary};
 pub use pictures::{EqualError, LayerPicture, Pictures, SwitchPictures};
 pub use report::{CostReport, LayerShare, Measured, Point, Prediction, Price, TARGETS, Until};
 pub use switches::{Kind, Switch, switches};

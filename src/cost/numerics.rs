@@ -59,9 +59,9 @@ pub(super) fn double(
     let (mut fast, mut slow, mut seconds) = (Vec::new(), Vec::new(), [0.0; 2]);
     for part in 0..PARTS {
         prepared.seed = small.seed.wrapping_add(3 * APART + u64::from(part));
-        let (film, took) = work.film(&prepared, SAMPLES, false, 0.0)?;
-        seconds[0] += took;
-        fast.push(total(&film.to_image()));
+        let rendered = work.film(&prepared, SAMPLES, false, 0.0)?;
+        seconds[0] += rendered.seconds;
+        fast.push(total(&rendered.film.to_image()));
         let asked = ReferenceOptions {
             camera,
             size,

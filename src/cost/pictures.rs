@@ -105,8 +105,8 @@ pub(super) fn render(
         let shot = |passes: f64, work: &mut Work<'_>| -> Result<(Vec<Rgb>, u32, f64), RunError> {
             let n = passes.round().clamp(1.0, 65_536.0) as u32;
             work.doing = format!("a picture {}", way.name);
-            let (film, _) = work.film(&prepared, n, false, units[i] * larger)?;
-            Ok((film.to_image().rgb, n, f64::from(n) * seconds(i)))
+            let rendered = work.film(&prepared, n, false, units[i] * larger)?;
+            Ok((rendered.film.to_image().rgb, n, f64::from(n) * seconds(i)))
         };
         let (equal_time, spp, took) = shot(time / seconds(i).max(1e-12), work)?;
         let left = square - bias(&measured[i]);
@@ -123,7 +123,7 @@ pub(super) fn render(
         };
         pictures.switches.push(SwitchPictures { equal_time, spp, seconds: took, equal_error });
     }
-    let layers = parts(scene, &at_size, units[0] * larger, end, passes, &mut pictures, work)?;
+    let layers = parts(scene, &ways[0], &at_size, units[0] * larger, end, &mut pictures, work)?;
     Ok((pictures, layers))
 }
 
@@ -156,32 +156,40 @@ fn tone(scene: &Scene) -> Tone {
     }
 }
 
-/// The whole picture and its layers, with the work that is left.
+/// The whole picture and its layers, as clean as the reference makes them with the work that is left; the shares of
+/// noise and rays are those of the full method.
 fn parts(
     scene: &Scene,
+    full: &Switch,
     options: &Options,
     unit: f64,
     end: f64,
-    passes: f64,
     pictures: &mut Pictures,
     work: &mut Work<'_>,
 ) -> Result<Vec<LayerShare>, RunError> {
-    let left = ((end - work.done) / unit.max(1e-12)).clamp(passes, 4.0 * passes) as u32;
+    /// Passes of the full method: enough for variances.
+    const PASSES: u32 = 16;
     work.doing = "the parts of the light".to_owned();
-    let prepared = reference(scene, options)?;
-    let (film, _) = work.film(&prepared, left.max(1), true, unit)?;
-    let image = film.to_image();
+    let prepared = full.prepare(scene, options)?;
+    let own = work.film(&prepared, PASSES, true, unit)?;
+    let of_full = own.film.layer_shares();
+    let rays: u64 = own.counters.layer_rays.iter().sum();
+    let clean = reference(scene, options)?;
+    let left = ((end - work.done) / unit.max(1e-12)).clamp(f64::from(PASSES), 4096.0) as u32;
+    let image = work.film(&clean, left, true, unit)?.film.to_image();
     let whole = picture::total(&image.rgb);
     let mut shares = Vec::new();
     for layer in LightLayer::ALL {
         let Some(rgb) = picture::layer(&image, layer.name()) else { continue };
         let light = picture::total(&rgb) / whole.max(f64::MIN_POSITIVE);
         if light > NEXT_TO_NOTHING {
-            shares.push(LayerShare { name: layer.name(), light, noise: None, rays: None });
+            let noise = of_full.map(|all| all[layer as usize].noise);
+            let rays = (rays > 0).then(|| own.counters.layer_rays[layer as usize] as f64 / rays as f64);
+            shares.push(LayerShare { name: layer.name(), light, noise, rays });
             pictures.layers.push(LayerPicture { name: layer.name(), rgb });
         }
     }
     pictures.whole = image.rgb;
-    pictures.spp = left.max(1);
+    pictures.spp = left;
     Ok(shares)
 }

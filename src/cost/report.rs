@@ -182,11 +182,7 @@ impl Measured {
         let quartile = |q: f64| quantile(&sorted, q);
         let seconds_per_pass = quartile(0.5);
         let shortcut = switch.kind == Kind::Shortcut;
-        let squares = |parts: &Parts| match shortcut {
-            // Each seed's own error less what all have in common.
-            true => parts.squares.iter().map(|s| (s - parts.bias).max(0.0)).collect(),
-            false => parts.squares.clone(),
-        };
+        let squares = |parts: &Parts| if shortcut { parts.variances.clone() } else { parts.squares.clone() };
         let points: Vec<(u32, Vec<f64>)> =
             runs.levels.iter().zip(&runs.parts).map(|(n, p)| (*n, squares(p))).collect();
         let fit = Fit::new(&points);

@@ -2,7 +2,7 @@
 
 use super::measure::Observer;
 use crate::film::{ErrorEstimate, Film, Image};
-use crate::integrate::{Control, Progress, RenderOptions, RunError, layout, render_onto};
+use crate::integrate::{Control, Counters, Progress, RenderOptions, RunError, layout, render_onto};
 use crate::prepare::Prepared;
 
 /// How far the whole measurement is, in units of work that were estimated beforehand.
@@ -42,6 +42,14 @@ pub(super) struct Run {
     pub(super) rays: u64,
 }
 
+/// What a render gave.
+pub(super) struct Rendered {
+    pub(super) film: Film,
+    /// Processor time.
+    pub(super) seconds: f64,
+    pub(super) counters: Counters,
+}
+
 impl Work<'_> {
     /// Renders up to the last of some ascending numbers of samples, and looks at the picture at each; `unit` is the
     /// work of a pass.
@@ -51,28 +59,31 @@ impl Work<'_> {
         let mut film = Film::new(layout(prepared, &options));
         for &level in levels {
             options.passes = options.passes.end..level;
-            let (next, seconds, rays) = self.step(prepared, film, &options, unit)?;
-            film = next;
-            run.seconds += seconds;
-            run.rays += rays;
+            let next = self.step(prepared, film, &options, unit)?;
+            film = next.film;
+            run.seconds += next.seconds;
+            run.rays += next.counters.rays;
             run.luminance.push(luminance(&film.to_image()));
             run.stated.push(film.error());
         }
         Ok(run)
     }
 
-    /// Renders so many passes with every part of the light: the film, and processor time.
+    /// Renders so many passes; where `layers`, with the parts of the light and their noise.
     pub(super) fn film(
         &mut self,
         prepared: &Prepared,
         passes: u32,
         layers: bool,
         unit: f64,
-    ) -> Result<(Film, f64), RunError> {
-        let options = RenderOptions { threads: self.threads, layers, ..RenderOptions::passes(0..passes) };
-        let film = Film::new(layout(prepared, &options));
-        let (film, seconds, _) = self.step(prepared, film, &options, unit)?;
-        Ok((film, seconds))
+    ) -> Result<Rendered, RunError> {
+        let options = RenderOptions {
+            threads: self.threads,
+            layers,
+            layer_noise: layers,
+            ..RenderOptions::passes(0..passes)
+        };
+        self.step(prepared, Film::new(layout(prepared, &options)), &options, unit)
     }
 
     fn step(
@@ -81,7 +92,7 @@ impl Work<'_> {
         film: Film,
         options: &RenderOptions,
         unit: f64,
-    ) -> Result<(Film, f64, u64), RunError> {
+    ) -> Result<Rendered, RunError> {
         let span = unit * f64::from(options.passes.end - options.passes.start);
         let begin = self.observer.seconds();
         let outcome = render_onto(prepared, film, options, &Step { work: self, span })?;
@@ -90,7 +101,7 @@ impl Work<'_> {
         if outcome.cancelled {
             return Err(RunError::Cancelled);
         }
-        Ok((outcome.film, seconds, outcome.counters.rays))
+        Ok(Rendered { film: outcome.film, seconds, counters: outcome.counters })
     }
 }
 

@@ -113,15 +113,10 @@ pub(crate) fn seconds(s: f64) -> String {
         _ if !s.is_finite() || s < 0.0 => "unknown".into(),
         _ if s < 9.95 => format!("{s:.1}\u{a0}s"),
         _ if s < 99.5 => format!("{s:.0}\u{a0}s"),
-        _ if s < 7199.5 => {
+        _ => {
             let whole = (s + 0.5) as u64;
             format!("{}\u{a0}min {:02}\u{a0}s", whole / 60, whole % 60)
         }
-        _ if s < 48.0 * 3600.0 => {
-            let whole = (s / 60.0 + 0.5) as u64;
-            format!("{}\u{a0}h {:02}\u{a0}min", whole / 60, whole % 60)
-        }
-        _ => format!("{:.0}\u{a0}days", s / 86_400.0),
     }
 }
 
@@ -156,8 +151,6 @@ mod tests {
         assert_eq!(signed(f64::NAN, 1), "not a number");
         assert_eq!(seconds(7.26), "7.3\u{a0}s");
         assert_eq!(seconds(125.2), "2\u{a0}min 05\u{a0}s");
-        assert_eq!(seconds(7530.0), "2\u{a0}h 06\u{a0}min");
-        assert_eq!(seconds(1e6), "12\u{a0}days");
     }
 
     /// Probabilities keep one or two digits down to the smallest.

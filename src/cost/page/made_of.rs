@@ -4,7 +4,7 @@ use super::prices::bar;
 use crate::cost::pictures::{LayerPicture, Pictures};
 use crate::cost::report::{CostReport, LayerShare};
 use crate::page::picture::{exposure_of_part, img, raised};
-use crate::page::text::{Text, percent, signed};
+use crate::page::text::{Text, percent};
 
 /// What each layer is, for people.
 fn means(layer: &str) -> &'static str {
@@ -26,7 +26,7 @@ pub(super) fn layers(report: &CostReport, pictures: &Pictures) -> String {
         let own = exposure_of_part(&layer.rgb);
         let stops = own.max(pictures.tone.exposure);
         let more = stops - pictures.tone.exposure;
-        let said = if more > 0.05 { format!(", shown {} stops brighter", signed(f64::from(more), 1)) } else { String::new() };
+        let said = if more > 0.05 { format!(", {more:.1} stops brighter here") } else { String::new() };
         let alt = format!("{}: {} light", report.scene, layer.name);
         let mut shares = row("light", share.light, "blue");
         if let Some(noise) = share.noise {
@@ -43,13 +43,18 @@ pub(super) fn layers(report: &CostReport, pictures: &Pictures) -> String {
             Text(&said),
         )
     };
+    let whole = format!(
+        "<figure>{}<figcaption><b>Whole</b> all of them, {} samples a pixel</figcaption></figure>\n",
+        img(size, pictures.whole.clone(), pictures.tone, &format!("{}: the whole picture", report.scene)),
+        pictures.spp,
+    );
     let figures: String = report.layers.iter().zip(&pictures.layers).map(figure).collect();
     if figures.is_empty() {
         return figures;
     }
     format!(
         "<p class=\"note\">Each bit of light is in exactly one of these; together they are the picture. The shares are those \
-         of all light, of the noise, and of the rays.</p>\n<div class=\"layers\">\n{figures}</div>\n"
+         of all light, of the noise, and of the rays.</p>\n<div class=\"layers\">\n{whole}{figures}</div>\n"
     )
 }
 

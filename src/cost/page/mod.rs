@@ -50,6 +50,14 @@ pub fn page(report: &CostReport, pictures: &Pictures, prices: &[check::Price], a
     document(&title, &style, &body, include_str!("slider.js"))
 }
 
+/// What comes first on the page, as text of a few lines.
+#[must_use]
+pub fn summary(report: &CostReport) -> String {
+    let words = Words::new(report);
+    let sentences = std::iter::once(words.headline()).chain(words.lead());
+    sentences.map(|s| words::plain(&s)).collect::<Vec<_>>().join("\n")
+}
+
 /// A part of the page; none where there is nothing in it.
 fn section(id: &str, name: &str, body: &str) -> String {
     if body.is_empty() {
@@ -71,8 +79,8 @@ fn header(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -> String
     format!(
         "<header class=\"top\">\n<div>\n<p class=\"title\">What accuracy costs: {}</p>\n<h1>{}</h1>\n{}</div>\n{whole}</header>\n",
         Text(&report.scene),
-        words.headline(),
-        words.lead(),
+        words::html(&words.headline()),
+        words.lead().iter().map(|s| format!("<p class=\"lead\">{}</p>\n", words::html(s))).collect::<String>(),
     )
 }
 

@@ -1,9 +1,9 @@
 //! The second price list: robust numerics beside what would be cheaper.
 
-use super::words::round;
+use super::words::{round, thousands};
 use crate::check::Price;
 use crate::cost::report::CostReport;
-use crate::page::text::{Text, change};
+use crate::page::text::{Text, change, probability};
 
 /// A table, and what double precision would cost; empty where neither was measured.
 pub(super) fn prices(report: &CostReport, prices: &[Price]) -> String {
@@ -53,9 +53,9 @@ fn row(p: &Price) -> String {
 /// A figure, two digits.
 fn figure(v: f64) -> String {
     match v.abs() {
-        0.0 => "0".into(),
         a if (0.01..10.0).contains(&a) => format!("{v:.2}"),
-        a if (10.0..1e6).contains(&a) => super::words::thousands(v),
-        _ => format!("{v:.0e}"),
+        a if a >= 10.0 => thousands(v),
+        // Written as small probabilities are.
+        _ => probability(v),
     }
 }

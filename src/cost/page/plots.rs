@@ -1,11 +1,11 @@
 //! Plots of the error over time, both logarithmic, and of efficiencies.
 
 use super::of_kind;
-use super::words::{Words, capital, percent_of_target};
+use super::words::{Words, capital, percent_of_target, time};
 use crate::cost::report::{CostReport, MAIN, Measured, Until};
 use crate::cost::switches::Kind;
 use crate::page::plot::{Area, Plot, log_ticks};
-use crate::page::text::{Text, percent, seconds};
+use crate::page::text::{Text, percent, signed};
 
 /// Points of a curve.
 const STEPS: usize = 48;
@@ -89,16 +89,19 @@ fn figure(beside: &[&Measured], way: &Measured, words: &Words<'_>) -> String {
         area.y[0] = area.y[0].min(libm::log10(way.floor.low.max(1e-6)) - 0.05);
     }
     let mut marks = floor(&own, &area);
-    let start = all().fold([f64::INFINITY, f64::NEG_INFINITY], |a, p| if p[0] < a[0] { p } else { a });
+    let first = all().fold([f64::INFINITY, f64::NEG_INFINITY], |a, p| if p[0] < a[0] { p } else { a });
+    // Beside the line, which may have the same slope.
+    let start = [first[0], first[1] - 0.06 * (area.y[1] - area.y[0])];
     let run = (area.x[1] - start[0]).min(2.0 * (start[1] - area.y[0])).max(0.0);
     marks += &area.line("guide", [start, [start[0] + run, start[1] - 0.5 * run]]);
     for other in &others {
         marks += &curve(other, &area, "expected", words);
     }
-    marks += &curve(&own, &area, "found", words);
-    marks += &points(&own, &area, words);
+    let class = if way.kind == Kind::Full { "expected" } else { "found" };
+    marks += &curve(&own, &area, class, words);
+    marks += &points(&own, &area, class, words);
     if let Some([x, y]) = crossing {
-        let says = format!("until {} it is the better choice", seconds(libm::pow(10.0, x)));
+        let says = format!("until {} it is the better choice", time(libm::pow(10.0, x)));
         marks += &area.dot("ring", [x, y], 6.0, Some(&says));
     }
     if let (Some(at), Some(p)) = (price, way.price(MAIN)) {
@@ -110,7 +113,7 @@ fn figure(beside: &[&Measured], way: &Measured, words: &Words<'_>) -> String {
     let plot = Plot {
         title: &title(way),
         area,
-        x_ticks: decades(area.x).into_iter().map(tick).collect(),
+        x_ticks: ticks(area.x).into_iter().map(tick).collect(),
         y_ticks: log_ticks(area.y).into_iter().map(|t| (t, percent(libm::pow(10.0, t)))).collect(),
         x_label: "time",
         y_label: "error E",
@@ -136,7 +139,7 @@ fn caption(way: &Measured) -> String {
     let slope = way.fit.as_ref().map_or_else(String::new, |f| {
         let within = 0.5 * (f.slope.high - f.slope.low);
         let of = if way.kind == Kind::Shortcut { "noise falls" } else { "falls" };
-        format!("{of} with the {:.2} \u{b1} {within:.2} power of time", f.slope.value)
+        format!("{of} with power {} \u{b1} {within:.2} of time", signed(-f.slope.value, 2))
     });
     let floor = match way.kind == Kind::Shortcut && way.floor.low > 0.0 {
         true => format!(", to a bias of {}", percent(way.floor.value)),
@@ -158,7 +161,7 @@ fn curve(curve: &Curve<'_>, area: &Area, class: &str, words: &Words<'_>) -> Stri
 }
 
 /// Points with their intervals.
-fn points(curve: &Curve<'_>, area: &Area, words: &Words<'_>) -> String {
+fn points(curve: &Curve<'_>, area: &Area, class: &str, words: &Words<'_>) -> String {
     let mut svg = String::new();
     for p in &curve.way.points {
         let x = libm::log10(words.wall(f64::from(p.spp) * curve.way.seconds_per_pass));
@@ -168,7 +171,7 @@ fn points(curve: &Curve<'_>, area: &Area, words: &Words<'_>) -> String {
         }
         let clamp = |v: f64| if v.is_nan() { y } else { v.clamp(area.y[0], area.y[1]) };
         let [low, high] = [p.error.low, p.error.high].map(|v| clamp(libm::log10(v)));
-        svg += &area.line("whisker", [[x, low], [x, high]]);
+        svg += &area.line(&format!("whisker {class}"), [[x, low], [x, high]]);
         let says = format!(
             "{} samples: E = {} ({} to {}), noise {}",
             p.spp,
@@ -177,7 +180,7 @@ fn points(curve: &Curve<'_>, area: &Area, words: &Words<'_>) -> String {
             percent(p.error.high),
             percent(p.noise)
         );
-        svg += &area.dot("dot found", [x, y], 3.5, Some(&says));
+        svg += &area.dot(&format!("dot {class}"), [x, y], 3.5, Some(&says));
     }
     svg
 }
@@ -195,36 +198,52 @@ fn floor(curve: &Curve<'_>, area: &Area) -> String {
         + &area.line("floor", [[left, y(floor.value)], [right, y(floor.value)]])
 }
 
-/// Ticks of a time axis, few enough to stand beside each other.
-fn decades(x: [f64; 2]) -> Vec<f64> {
+/// Times that people name, seconds: those that stand for a power of ten, and what is between them.
+const NAMED: [f64; 13] =
+    [1e-3, 1e-2, 0.1, 1.0, 10.0, 60.0, 600.0, 3600.0, 36_000.0, 86_400.0, 864_000.0, 8.64e6, 8.64e7];
+const BETWEEN: [f64; 16] = [
+    0.002, 0.005, 0.02, 0.05, 0.2, 0.5, 2.0, 5.0, 30.0, 120.0, 300.0, 1800.0, 7200.0, 18_000.0, 172_800.0, 432_000.0,
+];
+
+/// Where a time axis has numbers.
+fn ticks([from, to]: [f64; 2]) -> Vec<f64> {
     const MOST: usize = 6;
-    let ticks = log_ticks(x);
+    let within = |t: &f64| (from..=to).contains(&libm::log10(*t));
+    let mut ticks: Vec<f64> = NAMED.into_iter().filter(within).collect();
+    if ticks.len() < 3 {
+        ticks.extend(BETWEEN.into_iter().filter(within));
+        ticks.sort_by(f64::total_cmp);
+    }
     let every = ticks.len().div_ceil(MOST).max(1);
-    ticks.into_iter().step_by(every).collect()
+    ticks.into_iter().step_by(every).map(libm::log10).collect()
 }
 
-/// A time in as few letters as possible.
+/// One of these times in as few letters as possible.
 fn short(s: f64) -> String {
-    let number = |v: f64| if v < 9.95 { format!("{:.1}", v).trim_end_matches(".0").to_owned() } else { format!("{v:.0}") };
-    match s {
-        s if s < 0.0995 => format!("{}\u{a0}ms", number(s * 1e3)),
-        s if s < 99.5 => format!("{}\u{a0}s", number(s)),
-        s if s < 5970.0 => format!("{}\u{a0}min", number(s / 60.0)),
-        s if s < 360_000.0 => format!("{}\u{a0}h", number(s / 3600.0)),
-        s => format!("{}\u{a0}d", number(s / 86_400.0)),
-    }
+    let (unit, name) = match s {
+        s if s < 0.0995 => (1e-3, "ms"),
+        s if s < 59.5 => (1.0, "s"),
+        s if s < 3599.0 => (60.0, "min"),
+        s if s < 86_399.0 => (3600.0, "h"),
+        _ => (86_400.0, "d"),
+    };
+    let number = (s / unit * 10.0).round() / 10.0;
+    format!("{number}\u{a0}{name}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Whatever an axis spans, two to six times that people name.
     #[test]
     fn times_on_an_axis() {
-        let cases = [(0.02, "20\u{a0}ms"), (0.5, "0.5\u{a0}s"), (100.0, "1.7\u{a0}min"), (1e4, "2.8\u{a0}h"), (1e6, "12\u{a0}d")];
-        for (s, text) in cases {
-            assert_eq!(short(s), text);
-        }
-        assert!(decades([-3.0, 6.0]).len() <= 6);
+        let said = |from: f64, to: f64| {
+            let all = ticks([from, to].map(libm::log10));
+            all.into_iter().map(|t| short(libm::pow(10.0, t)).replace('\u{a0}', " ")).collect::<Vec<_>>().join(", ")
+        };
+        assert_eq!(said(0.5, 200.0), "1 s, 10 s, 1 min");
+        assert_eq!(said(0.9, 30.0), "1 s, 2 s, 5 s, 10 s, 30 s");
+        assert_eq!(said(0.04, 1e6), "100 ms, 10 s, 10 min, 10 h, 10 d");
     }
 }

@@ -1,6 +1,6 @@
 //! The answers at the top, the table of all switches, and what was said beforehand.
 
-use super::words::{Words, becomes, capital, percent_of_target, signed, thousands};
+use super::words::{Words, brightness, capital, percent_of_target, round, signed, thousands};
 use crate::cost::report::{CostReport, MAIN, Measured, Until};
 use crate::cost::switches::Kind;
 use crate::page::text::{Text, percent};
@@ -82,15 +82,17 @@ fn given_up(report: &CostReport, words: &Words<'_>) -> String {
     shortcuts.sort_by(|a, b| error(a).total_cmp(&error(b)));
     let row = |m: &&Measured| {
         let takes = m.price(MAIN).map_or_else(String::new, |p| words.time(p.seconds.value));
+        let floor = if m.floor.low > 0.0 { format!(", error above {}", percent(m.floor.value)) } else { String::new() };
         let worth = match m.until {
-            Until::Seconds { error, .. } => format!("worth it for errors above {}", percent(error)),
-            _ => "worth it as far as was measured".into(),
+            Until::Seconds { error, .. } => format!("; worth it for errors above {}", percent(error)),
+            _ => "; worth it as far as was measured".into(),
         };
         format!(
-            "<li><b>{}</b> {}: the picture {}; {}</li>\n",
+            "<li><span class=\"name\">{}</span> <span class=\"number\">{}</span><span class=\"what\">{}{}{}</span></li>\n",
             Text(&capital(&m.name)),
             Text(&takes),
-            Text(&becomes(m)),
+            Text(&brightness(m)),
+            Text(&floor),
             Text(&worth),
         )
     };
@@ -98,7 +100,8 @@ fn given_up(report: &CostReport, words: &Words<'_>) -> String {
     if rows.is_empty() {
         return "<p>Nothing that was tried is worth it: without it the same noise costs as much.</p>\n".into();
     }
-    format!("<ul class=\"plain\">\n{rows}</ul>\n")
+    let target = percent_of_target(MAIN);
+    format!("<ul class=\"bars\">\n{rows}</ul>\n<p class=\"note\">Times are those to a noise of {target}.</p>\n")
 }
 
 /// A horizontal bar of a share in [0, 1].
@@ -121,7 +124,7 @@ pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
             (false, true) => percent(m.floor.value),
             (false, false) => format!("below {}", percent(m.floor.high)),
         };
-        let efficiency = m.efficiency.map_or_else(|| "unknown".into(), |e| format!("{e:.2}"));
+        let efficiency = m.efficiency.map_or_else(|| "unknown".into(), |e| if e < 9.95 { format!("{e:.2}") } else { round(e) });
         format!(
             "<tr><th scope=\"row\">{}<span class=\"what\">{}</span></th><td class=\"n\" data-is=\"takes\">{}</td>\
              <td class=\"n\" data-is=\"efficiency\">{}{}</td><td class=\"n\" data-is=\"rays a sample\">{:.1}</td>\
@@ -154,7 +157,7 @@ pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
         "<div class=\"scroll\"><table class=\"switches\">\n<thead><tr><th scope=\"col\">Way</th>\
          <th scope=\"col\" class=\"n\">Noise {}</th><th scope=\"col\" class=\"n\">Efficiency</th>\
          <th scope=\"col\" class=\"n\">Rays a sample</th><th scope=\"col\" class=\"n\">Light</th>\
-         <th scope=\"col\" class=\"n\">Error floor</th><th scope=\"col\" class=\"n\">Better until</th></tr></thead>\n\
+         <th scope=\"col\" class=\"n\">Error floor</th><th scope=\"col\" class=\"n\">Better until (E)</th></tr></thead>\n\
          <tbody>\n{rows}</tbody></table></div>\n",
         percent_of_target(MAIN)
     )

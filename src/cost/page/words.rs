@@ -4,7 +4,7 @@ use super::of_kind;
 use crate::cost::fit::Interval;
 use crate::cost::report::{CostReport, MAIN, Measured, Price, Until};
 use crate::cost::switches::Kind;
-use crate::page::text::{Text, change, count, percent, seconds};
+use crate::page::text::{Text, change, count, percent};
 
 /// Whatever needs the report as a whole to be said.
 pub(super) struct Words<'a> {
@@ -33,7 +33,7 @@ impl<'a> Words<'a> {
 
     /// A time for people.
     pub(super) fn time(&self, processor: f64) -> String {
-        seconds(self.wall(processor))
+        time(self.wall(processor))
     }
 
     /// `3 s to 5 s`, where that is known.
@@ -45,68 +45,48 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// `1 % costs 19 s at 800×800`, as HTML.
+    /// `1 % costs *19 s* at 800×800`.
     pub(super) fn headline(&self) -> String {
         let [w, h] = self.report.size;
-        match self.main() {
-            Some(price) => format!(
-                "{} costs <b>{}</b> at {w}\u{d7}{h}",
-                percent_of_target(MAIN),
-                Text(&self.time(price.seconds.value))
-            ),
-            None => "too few samples to tell a price".into(),
-        }
+        let Some(price) = self.main() else { return "Too few samples to tell a price".into() };
+        let time = self.time(price.seconds.value);
+        format!("{} costs *{time}* at {w}\u{d7}{h}", percent_of_target(MAIN))
     }
 
-    /// What the headline rests on.
-    pub(super) fn lead(&self) -> String {
-        let (Some(full), Some(price)) = (self.full(), self.main()) else { return String::new() };
-        let mut html = format!(
-            "<p class=\"lead\">{} a pixel, on {}; {} with 95\u{a0}% confidence. {}</p>\n",
-            count_of_samples(price.samples.value),
+    /// What the headline rests on, and what comes next.
+    pub(super) fn lead(&self) -> Vec<String> {
+        let (Some(full), Some(price)) = (self.full(), self.main()) else { return Vec::new() };
+        let first = format!(
+            "{} samples a pixel, on {}; {} with 95\u{a0}% confidence. {}",
+            thousands(price.samples.value),
             count(self.report.threads, "core"),
-            Text(&self.range(price.seconds)),
-            self.continued(full, price),
+            self.range(price.seconds),
+            continued(full, price),
         );
-        for sentence in self.others() {
-            html += &format!("<p class=\"lead\">{sentence}</p>\n");
-        }
-        html
+        std::iter::once(first).chain(self.estimators()).chain(self.dearest()).collect()
     }
 
-    /// Whether the price is measured or continued.
-    fn continued(&self, full: &Measured, price: &Price) -> String {
-        let Some(last) = full.points.last() else { return String::new() };
-        if price.measured {
-            return "Measured, not extrapolated.".into();
-        }
-        format!(
-            "Measured down to {}; from there the line is continued, {} times as far in time.",
-            Text(&percent(last.error.value)),
-            round(price.samples.value / f64::from(last.spp)),
-        )
-    }
-
-    /// What another estimator, the dearest effect and the best shortcut come to.
-    fn others(&self) -> Vec<String> {
-        let mut sentences = Vec::new();
-        for (_, other) in of_kind(self.report, Kind::Algorithm) {
-            let Some(factor) = other.efficiency else { continue };
+    /// What other estimators come to.
+    fn estimators(&self) -> Vec<String> {
+        let says = |m: &Measured| {
+            let factor = m.efficiency?;
             let (factor, word) = if factor >= 1.0 { (factor, "cheaper") } else { (1.0 / factor, "dearer") };
-            sentences.push(format!("With <b>{}</b> it is {} times {word}.", Text(&other.name), round(factor)));
-        }
-        if let Some((share, dearest)) = self.shares().into_iter().find(|(share, m)| *share >= 0.05 && m.differs()) {
-            let given = dearest.price(MAIN).map_or_else(String::new, |p| self.time(p.seconds.value));
-            sentences.push(format!(
-                "<b>{}</b> costs {} of that: without, the noise of {} takes {}, and the picture {}.",
-                Text(&capital(&dearest.gives_up)),
-                Text(&percent(share)),
-                percent_of_target(MAIN),
-                Text(&given),
-                Text(&becomes(dearest)),
-            ));
-        }
-        sentences
+            let takes = self.time(m.price(MAIN)?.seconds.value);
+            Some(format!("With *{}* it takes {takes}: noise is {} times {word}.", m.name, round(factor)))
+        };
+        of_kind(self.report, Kind::Algorithm).filter_map(|(_, m)| says(m)).collect()
+    }
+
+    /// What the dearest effect costs, and what the picture is without it.
+    fn dearest(&self) -> Option<String> {
+        let (share, m) = self.shares().into_iter().find(|(share, m)| *share >= 0.05 && m.differs())?;
+        Some(format!(
+            "*{}* costs {} of that: without, the picture takes {} to as little noise, and {}.",
+            capital(&m.gives_up),
+            percent(share),
+            self.time(m.price(MAIN)?.seconds.value),
+            becomes(m),
+        ))
     }
 
     /// Shortcuts with the share of the price that they save, the largest first.
@@ -161,14 +141,52 @@ impl<'a> Words<'a> {
     }
 }
 
+/// A time with no more digits than can be known.
+pub(super) fn time(s: f64) -> String {
+    let whole = |unit: f64| (s / unit + 0.5) as u64;
+    match s {
+        _ if !s.is_finite() || s < 0.0 => "unknown".into(),
+        _ if s < 0.0995 => format!("{:.0}\u{a0}ms", s * 1e3),
+        _ if s < 9.95 => format!("{s:.1}\u{a0}s"),
+        _ if s < 99.5 => format!("{s:.0}\u{a0}s"),
+        _ if s < 599.5 => format!("{}\u{a0}min {:02}\u{a0}s", whole(1.0) / 60, whole(1.0) % 60),
+        _ if s < 5970.0 => format!("{}\u{a0}min", whole(60.0)),
+        _ if s < 35_970.0 => format!("{}\u{a0}h {:02}\u{a0}min", whole(60.0) / 60, whole(60.0) % 60),
+        _ if s < 171_000.0 => format!("{}\u{a0}h", whole(3600.0)),
+        _ => format!("{}\u{a0}days", thousands(s / 86_400.0)),
+    }
+}
+
+/// Whether a price is measured or continued.
+fn continued(full: &Measured, price: &Price) -> String {
+    match full.points.last() {
+        Some(last) if !price.measured => format!(
+            "Measured down to {}; from there the line is continued, to {} times the samples.",
+            percent(last.error.value),
+            round(price.samples.value / f64::from(last.spp)),
+        ),
+        _ => "Measured, not extrapolated.".into(),
+    }
+}
+
+/// A sentence as HTML: what stands between two asterisks is emphasised.
+pub(super) fn html(sentence: &str) -> String {
+    let parts = sentence.split('*').enumerate();
+    let emphasised = |(i, part): (usize, &str)| match i % 2 {
+        0 => Text(part).to_string(),
+        _ => format!("<b>{}</b>", Text(part)),
+    };
+    parts.map(emphasised).collect()
+}
+
+/// A sentence for a terminal.
+pub(super) fn plain(sentence: &str) -> String {
+    sentence.replace('*', "").replace(['\u{a0}', '\u{202f}'], " ")
+}
+
 /// `1 %`, `0.5 %`: no digits that mean nothing.
 pub(super) fn percent_of_target(error: f64) -> String {
     format!("{}\u{a0}%", (error * 1e4).round() / 100.0)
-}
-
-/// `220 samples`.
-fn count_of_samples(n: f64) -> String {
-    format!("{} samples", thousands(n))
 }
 
 /// A number of samples, two or three digits, with spaces between thousands.
@@ -197,15 +215,20 @@ pub(super) fn round(factor: f64) -> String {
     }
 }
 
-/// What a shortcut does to the picture.
-pub(super) fn becomes(m: &Measured) -> String {
+/// How bright a picture is beside the full one: `2.8 % darker`.
+pub(super) fn brightness(m: &Measured) -> String {
     let proved = m.change.low > 0.0 || m.change.high < 0.0;
     let word = if m.change.value < 0.0 { "darker" } else { "brighter" };
-    let light = if proved { format!("is {} {word}", percent(m.change.value.abs())) } else { "is as bright".into() };
+    if proved { format!("{} {word}", percent(m.change.value.abs())) } else { "as bright".into() }
+}
+
+/// What a shortcut does to the picture.
+fn becomes(m: &Measured) -> String {
+    let light = format!("is {}", brightness(m));
     if m.floor.low > 0.0 {
-        format!("{light} and never nearer than {} to the right one", percent(m.floor.value))
+        format!("{light}, and its error never falls below {}", percent(m.floor.value))
     } else {
-        format!("{light}; no bias was seen in single pixels")
+        format!("{light}, and no bias was seen in single pixels")
     }
 }
 
@@ -231,6 +254,11 @@ mod tests {
         }
         assert_eq!([percent_of_target(0.01), percent_of_target(0.005)], ["1\u{a0}%", "0.5\u{a0}%"]);
         assert_eq!([round(1.26), round(1234.0)], ["1.3", "1\u{202f}230"]);
+        let times = [0.02, 0.44, 42.0, 200.0, 1715.0, 6862.0, 42_900.0, 2.6e5];
+        let said = ["20 ms", "0.4 s", "42 s", "3 min 20 s", "29 min", "1 h 54 min", "12 h", "3 days"];
+        assert_eq!(times.map(|s| plain(&time(s))), said);
         assert_eq!(capital("mirror"), "Mirror");
+        let sentence = "a*b<*c\u{a0}%";
+        assert_eq!([html(sentence), plain(sentence)], ["a<b>b&lt;</b>c\u{a0}%", "ab<c %"]);
     }
 }
