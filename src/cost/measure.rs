@@ -75,8 +75,9 @@ impl From<crate::prepare::PrepareError> for CostError {
 const REFERENCES: u32 = 4;
 /// Shares of the time: the reference, the runs that are measured, pictures, double precision.
 const SHARES: [f64; 4] = [0.28, 0.5, 0.16, 0.04];
-/// Samples of the reference over those of a run, where samples are asked for.
+/// Work of the reference over that of a run, where samples are asked for, and of a way's pictures.
 const REFERENCE_OVER_RUN: u32 = 32;
+const PICTURES_OVER_RUN: f64 = 4.0;
 /// Fewest and most samples of a run.
 const FEWEST: u32 = 8;
 const MOST: u32 = 1 << 16;
@@ -146,7 +147,7 @@ pub fn measure(
 
     let (pictures, layers) = pictures::render(scene, options, &ways, &measured, &schedule.units, schedule.pictures, &mut work)?;
     work.doing = "double precision".to_owned();
-    let double = numerics::double(scene, options, schedule.double > 0.0, &mut work)?;
+    let double = numerics::double(scene, options, &mut work)?;
     work.done = work.total;
     observer.progress(1.0, "done");
     let report = CostReport {
@@ -195,7 +196,7 @@ fn schedule(
     work: &mut Work<'_>,
 ) -> Result<Schedule, RunError> {
     let seeds = f64::from(options.seeds.max(2));
-    let mut schedule = match options.effort {
+    let schedule = match options.effort {
         Effort::Samples(spp) => {
             let spp = spp.next_power_of_two().max(FEWEST);
             Schedule {
@@ -203,7 +204,7 @@ fn schedule(
                 reference_unit: 1.0,
                 reference: spp * REFERENCE_OVER_RUN / REFERENCES,
                 levels: vec![doubling(spp); prepared.len()],
-                pictures: f64::from(spp) * 2.0 * prepared.len() as f64,
+                pictures: f64::from(spp) * PICTURES_OVER_RUN * prepared.len() as f64,
                 double: 0.0,
             }
         }
@@ -239,7 +240,6 @@ fn schedule(
     let reference = schedule.reference_unit * f64::from(schedule.reference * REFERENCES);
     work.done = 0.0;
     work.total = reference + runs + schedule.pictures + schedule.double;
-    schedule.pictures = schedule.pictures.max(0.0);
     Ok(schedule)
 }
 
@@ -270,8 +270,15 @@ fn summary(runs: &[Run], levels: &[u32], truth: &Reference, larger: f64, pixels:
 /// What the first run said of the samples that it would take to the error that came: its error falls with the root
 /// of the samples.
 fn prediction(runs: &[Run], levels: &[u32], full: &Measured) -> Option<Prediction> {
+    /// Doublings that are foretold, and samples below which nothing can be said.
+    const AHEAD: usize = 3;
+    const LEAST: u32 = 4;
     let last = levels.len().checked_sub(1)?;
-    let early = last.checked_sub(3)?;
+    let least = levels.iter().position(|n| *n >= LEAST)?;
+    let early = last.saturating_sub(AHEAD).max(least);
+    if early >= last {
+        return None;
+    }
     let stated: ErrorEstimate = runs.first()?.stated[early]?;
     let error = full.points.last()?.error.value;
     let samples = |e: f64| f64::from(levels[early]) * (e / error) * (e / error);

@@ -36,11 +36,10 @@ const PARTS: u32 = 8;
 /// Rays times objects and triangles that brute force may try.
 const MOST_TRIES: f64 = 4e8;
 
-/// Renders both ways; `None` where nobody asks, or brute force would take too long or cannot render the scene.
+/// Renders both ways; `None` where brute force would take too long or cannot render the scene.
 pub(super) fn double(
     scene: &Scene,
     options: &CostOptions,
-    asked: bool,
     work: &mut Work<'_>,
 ) -> Result<Option<DoubleReference>, RunError> {
     let [w, h] = options.prepare.size.map(f64::from);
@@ -49,7 +48,7 @@ pub(super) fn double(
     let shapes = holds.triangles as f64 + holds.spheres as f64;
     // Some ten segments a path.
     let tries = f64::from(size[0] * size[1] * SAMPLES * PARTS) * 10.0 * shapes;
-    if !asked || tries > MOST_TRIES {
+    if tries > MOST_TRIES {
         return Ok(None);
     }
     let max_depth = Some(options.prepare.max_depth.unwrap_or(16).min(16));
