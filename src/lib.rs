@@ -30,6 +30,7 @@ pub mod output;
 mod page;
 pub mod part;
 pub mod prepare;
+pub mod price;
 mod rare;
 pub mod report;
 pub mod sampling;

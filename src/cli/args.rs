@@ -9,6 +9,7 @@ use std::time::Duration;
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::shortcuts::ShortcutArgs;
 use super::units;
 use crate::import::LightUnits;
 use crate::integrate::report::Slips;
@@ -211,16 +212,15 @@ pub(super) struct RenderArgs {
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     pub(super) aov: Vec<Aov>,
 
-    /// Cap on scattering events; 0 shows emission only [default: the scene's, else none]
-    #[arg(long, value_name = "N")]
-    pub(super) max_depth: Option<u32>,
-
     /// Which transport loop runs; the picture is the same, bit for bit
     #[arg(long, value_enum, default_value_t, value_name = "SET")]
     pub(super) effects: EffectsArg,
 
     #[command(flatten)]
     pub(super) algorithms: AlgorithmArgs,
+
+    #[command(flatten)]
+    pub(super) shortcuts: ShortcutArgs,
 
     /// How light is simulated
     #[arg(long, value_enum, default_value_t)]
@@ -261,12 +261,13 @@ pub(super) const MAX_SAMPLES: u32 = 1 << 24;
 
 /// Say what would be simulated, what is left out, what is not modelled, and why
 ///
-/// Nothing is rendered. The same is in the files that `render` writes, as the attribute `plan`.
+/// No picture is rendered. The same is in the files that `render` writes, as the attribute `plan`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   epsilux explain scenes/hexroom.toml
-  epsilux explain scenes/hexroom.toml --camera far --json")]
+  epsilux explain scenes/hexroom.toml --camera far --json
+  epsilux explain scenes/hexroom.toml --without caustics --max-depth 4 --price")]
 pub(super) struct ExplainArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -281,6 +282,13 @@ pub(super) struct ExplainArgs {
 
     #[command(flatten)]
     pub(super) algorithms: AlgorithmArgs,
+
+    #[command(flatten)]
+    pub(super) shortcuts: ShortcutArgs,
+
+    /// Measure what each shortcut costs: small pictures are rendered with it and without it
+    #[arg(long)]
+    pub(super) price: bool,
 
     /// Print JSON (epsilux.explain/1)
     #[arg(long)]

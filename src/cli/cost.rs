@@ -20,7 +20,7 @@ use crate::check;
 use crate::cost::{self, About, CostError, CostOptions, Effort, Observer};
 use crate::integrate::RunError;
 use crate::output::{check_place, write_bytes};
-use crate::prepare::{EffectsMode, Options};
+use crate::prepare::{EffectsMode, Options, Shortcuts};
 
 /// Measure what accuracy costs in a scene, and what each effect has to do with it
 ///
@@ -150,6 +150,7 @@ pub(super) fn run(args: &CostArgs, arguments: &[OsString], console: &Console) ->
             seed: args.seed,
             effects: EffectsMode::Auto,
             max_depth: loaded.scene.settings.max_depth,
+            shortcuts: Shortcuts::of(&loaded.scene.settings),
             transparent: false,
             algorithms: args.algorithms.meant(),
         },

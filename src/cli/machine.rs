@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::notes::NoteJson;
+use super::shortcuts::PricedJson;
 use crate::film::ErrorEstimate;
 use crate::report::PlanFacts;
 
@@ -37,6 +38,9 @@ pub(super) struct Report<'a> {
     pub(super) samples_refused: u64,
     pub(super) refused: Vec<RefusedJson>,
     pub(super) paths_cut: u64,
+    /// What was left out or approximated on purpose, and what each costs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) shortcuts: Vec<PricedJson>,
     pub(super) plan: PlanFacts<'a>,
     pub(super) plan_sha256: String,
     pub(super) notes: Vec<NoteJson<'a>>,

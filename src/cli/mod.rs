@@ -24,6 +24,7 @@ mod progress;
 mod render;
 mod saver;
 mod schema;
+mod shortcuts;
 mod signal;
 mod stated;
 mod units;

@@ -11,7 +11,7 @@ use super::run::{Work, luminance};
 use crate::film::Image;
 use crate::integrate::RunError;
 use crate::integrate::naive::{ReferenceOptions, reference};
-use crate::prepare::{Options, prepare};
+use crate::prepare::{Options, Shortcuts, prepare};
 use crate::report::inventory;
 use crate::scene::Scene;
 
@@ -52,7 +52,9 @@ pub(super) fn double(
         return Ok(None);
     }
     let max_depth = Some(options.prepare.max_depth.unwrap_or(16).min(16));
-    let small = Options { size, max_depth, ..options.prepare.clone() };
+    // Both simulate what is there: the reference knows no shortcut but a cap on depth.
+    let shortcuts = Shortcuts::default();
+    let small = Options { size, max_depth, shortcuts, ..options.prepare.clone() };
     let camera = scene.cameras.iter().position(|c| Some(&c.name) == small.camera.as_ref()).unwrap_or(0);
     let mut prepared = prepare(scene, &small)?;
     let (mut fast, mut slow, mut seconds) = (Vec::new(), Vec::new(), [0.0; 2]);

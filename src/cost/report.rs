@@ -58,6 +58,8 @@ pub struct Measured {
     pub what: String,
     /// What the picture then lacks; empty where it lacks nothing.
     pub gives_up: String,
+    /// The flag that throws it; empty where none is needed.
+    pub flag: String,
     /// What it does to the picture.
     pub kind: Kind,
     /// Processor seconds of a sample for each pixel of the picture whose price is told: median over the seeds.
@@ -204,6 +206,7 @@ impl Measured {
             name: switch.name.clone(),
             what: switch.what.clone(),
             gives_up: switch.gives_up.clone(),
+            flag: switch.flag.clone(),
             kind: switch.kind,
             seconds_per_pass,
             seconds_quartiles: [quartile(0.25), quartile(0.75)],

@@ -1,7 +1,8 @@
 //! What can be switched: estimators, and effects that a picture could do without.
 
 use crate::prepare::{
-    self, Algorithms, Caustics, CausticsMode, Effect, EffectsMode, Options, Plan, PrepareError, Prepared, analyse,
+    self, Algorithms, Caustics, CausticsMode, Effect, Omission, Options, Plan, PrepareError, Prepared, Shortcut,
+    shortcuts_of,
 };
 use crate::scene::Scene;
 
@@ -18,7 +19,7 @@ pub enum Kind {
 }
 
 /// One way to render a scene.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Switch {
     /// What people call it, such as `without mirror`.
     pub name: String,
@@ -26,52 +27,40 @@ pub struct Switch {
     pub what: String,
     /// What the picture then lacks, such as `mirror`; empty where it lacks nothing.
     pub gives_up: String,
+    /// The flag that throws it; empty where none is needed.
+    pub flag: String,
     /// What it does to the picture.
     pub kind: Kind,
     how: How,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 enum How {
     Full,
     Algorithms(Algorithms),
-    Depth(u32),
-    Without(Effect),
+    Shortcut(Shortcut),
 }
 
-/// Caps on scattering events that are tried.
-const DEPTHS: [u32; 4] = [1, 2, 4, 8];
-
-/// Effects that a picture can do without. Of the others, the kinds of light and what is diffuse, a picture is made.
-const OPTIONAL: [Effect; 11] = [
-    Effect::Environment,
-    Effect::Mirror,
-    Effect::Refraction,
-    Effect::Glossy,
-    Effect::Absorption,
-    Effect::SmoothNormals,
-    Effect::Lens,
-    Effect::Textures,
-    Effect::Cutouts,
-    Effect::NormalMaps,
-    Effect::Nesting,
-];
+/// Effects of which a picture is made: without them there is nothing to look at.
+const NEEDED: [Effect; 4] = [Effect::AreaLights, Effect::FreeLights, Effect::DeltaLights, Effect::Diffuse];
 
 impl Switch {
-    /// Another way to the same picture.
-    fn algorithm(name: &str, what: &str, algorithms: Algorithms) -> Self {
-        let (name, what, gives_up) = (name.to_owned(), what.to_owned(), String::new());
-        Self { name, what, gives_up, kind: Kind::Algorithm, how: How::Algorithms(algorithms) }
-    }
-
-    fn shortcut(name: String, what: String, gives_up: String, how: How) -> Self {
-        Self { name, what, gives_up, kind: Kind::Shortcut, how }
-    }
-
     /// What the program does by itself.
     fn full() -> Self {
-        let (name, what) = ("full".to_owned(), "as the program renders it".to_owned());
-        Self { name, what, gives_up: String::new(), kind: Kind::Full, how: How::Full }
+        let [name, what, gives_up, flag] = ["full", "as the program renders it", "", ""].map(str::to_owned);
+        Self { name, what, gives_up, flag, kind: Kind::Full, how: How::Full }
+    }
+
+    /// Another way to the same picture.
+    fn algorithm(name: &str, flag: &str, what: &str, algorithms: Algorithms) -> Self {
+        let [name, what, gives_up, flag] = [name, what, "", flag].map(str::to_owned);
+        Self { name, what, gives_up, flag, kind: Kind::Algorithm, how: How::Algorithms(algorithms) }
+    }
+
+    fn shortcut(shortcut: Shortcut, plan: &Plan) -> Self {
+        let (what, gives_up) = describe(&shortcut, plan);
+        let (name, flag) = (shortcut.to_string(), shortcut.flag());
+        Self { name, what, gives_up, flag, kind: Kind::Shortcut, how: How::Shortcut(shortcut) }
     }
 
     /// The scene, prepared this way.
@@ -79,66 +68,81 @@ impl Switch {
     /// # Errors
     /// As [`prepare::prepare`].
     pub fn prepare(&self, scene: &Scene, options: &Options) -> Result<Prepared, PrepareError> {
-        let mut options = options.clone();
         match &self.how {
-            How::Full => {}
-            How::Algorithms(algorithms) => options.algorithms = *algorithms,
-            How::Depth(depth) => options.max_depth = Some(*depth),
-            How::Without(effect) => {
-                let plan = plan(scene, &options)?.without(*effect);
-                return prepare::prepare_planned(scene, &options, plan);
+            How::Full => prepare::prepare(scene, options),
+            How::Algorithms(algorithms) => {
+                prepare::prepare(scene, &Options { algorithms: *algorithms, ..options.clone() })
             }
+            How::Shortcut(shortcut) => prepare::prepare(scene, &options.with_shortcut(*shortcut)),
         }
-        prepare::prepare(scene, &options)
     }
 }
 
-/// The plan of a scene.
-fn plan(scene: &Scene, options: &Options) -> Result<Plan, PrepareError> {
-    let named = |name: &String| scene.cameras.iter().find(|c| c.name == *name);
-    let camera = options.camera.as_ref().map_or_else(|| scene.cameras.first(), named);
-    Ok(analyse(scene, camera.ok_or(PrepareError::NoCamera)?, options))
+/// What a shortcut does, and what the picture then lacks.
+fn describe(shortcut: &Shortcut, plan: &Plan) -> (String, String) {
+    match shortcut {
+        Shortcut::Without(Omission::Effect(effect)) => {
+            let need = plan.needs.iter().find(|n| n.effect == *effect);
+            let what = need.map_or_else(String::new, |n| {
+                let more = if n.count > 1 { format!(" (and {} more)", n.count - 1) } else { String::new() };
+                format!("{}{more} has to do without", n.witness)
+            });
+            (what, effect.name().to_owned())
+        }
+        Shortcut::Without(omission) => {
+            let what = match omission {
+                Omission::Caustics => "what mirrors and glass throw onto something else is left out",
+                _ => "light that was spread more than once is left out",
+            };
+            (what.to_owned(), omission.name().to_owned())
+        }
+        Shortcut::MaxDepth(most) => {
+            let events = if *most == 1 { "event" } else { "events" };
+            let what = format!("light that was scattered {most} times at most");
+            let what = if *most == 1 { "light that comes from lamps at once, and no other".to_owned() } else { what };
+            (what, format!("light after {most} {events}"))
+        }
+        Shortcut::Clamp(most) => (
+            format!("no contribution after the first event counts for more than {most} W/(sr m\u{b2})"),
+            "the brightest light".to_owned(),
+        ),
+        Shortcut::Schlick => {
+            ("dielectrics reflect by Schlick\u{2019}s approximation".to_owned(), "exact reflectance".to_owned())
+        }
+        Shortcut::IndirectGain(gain) => (format!("indirect light times {gain}"), "what is physical".to_owned()),
+    }
 }
 
 /// Everything that can be switched in a scene; the first one is that nothing is.
 ///
 /// # Errors
-/// The scene has no camera.
+/// The scene has no camera, or the options are refused.
 pub fn switches(scene: &Scene, options: &Options) -> Result<Vec<Switch>, PrepareError> {
-    let by_itself = plan(scene, options)?;
+    let by_itself = prepare::plan(scene, options)?;
     let mut all = vec![Switch::full()];
     all.extend(estimators(scene, options, &by_itself)?);
-    // A cap that is no lower than what is asked for changes nothing.
-    for depth in DEPTHS.into_iter().filter(|d| options.max_depth.is_none_or(|most| *d < most)) {
-        let events = if depth == 1 { "event" } else { "events" };
-        let what = match depth {
-            1 => "light that comes from lamps at once, and no other".to_owned(),
-            _ => format!("light that was scattered {depth} times at most"),
-        };
-        let gives_up = format!("light after {depth} {events}");
-        all.push(Switch::shortcut(format!("at most {depth} {events}"), what, gives_up, How::Depth(depth)));
-    }
-    for need in by_itself.needs.iter().filter(|n| OPTIONAL.contains(&n.effect)) {
-        let more = if need.count > 1 { format!(" (and {} more)", need.count - 1) } else { String::new() };
-        let name = need.effect.name();
-        let what = format!("{}{more} has to do without", need.witness);
-        let how = How::Without(need.effect);
-        all.push(Switch::shortcut(format!("without {name}"), what, name.to_owned(), how));
-    }
+    let lower = |depth: u32| options.max_depth.is_none_or(|most| depth < most);
+    let shows = |s: &Shortcut| match s {
+        Shortcut::Without(Omission::Effect(effect)) => !NEEDED.contains(effect),
+        // A cap that is no lower than what is asked for changes nothing.
+        Shortcut::MaxDepth(depth) => lower(*depth),
+        _ => true,
+    };
+    let shortcuts = shortcuts_of(scene, &prepare::plan(scene, &options.without_shortcuts())?);
+    all.extend(shortcuts.into_iter().filter(shows).map(|s| Switch::shortcut(s, &by_itself)));
     Ok(all)
 }
 
 /// Estimators that the program would not choose by itself.
 fn estimators(scene: &Scene, options: &Options, by_itself: &Plan) -> Result<Vec<Switch>, PrepareError> {
-    let ways = [
-        ("caustics by paths", Algorithms { caustics: CausticsMode::Path, ..options.algorithms }),
-        ("caustics by photons", Algorithms { caustics: CausticsMode::Photon, ..options.algorithms }),
-    ];
+    let ways = [("paths", "path", CausticsMode::Path), ("photons", "photon", CausticsMode::Photon)];
     let mut others = Vec::new();
-    for (name, algorithms) in ways {
-        let other = plan(scene, &Options { algorithms, ..options.clone() })?.caustics;
+    for (name, word, caustics) in ways {
+        let algorithms = Algorithms { caustics, ..options.algorithms };
+        let other = prepare::plan(scene, &Options { algorithms, ..options.clone() })?.caustics;
         if other != by_itself.caustics {
-            others.push(Switch::algorithm(name, other.what(), algorithms));
+            let (name, flag) = (format!("caustics by {name}"), format!("--algorithm caustics={word}"));
+            others.push(Switch::algorithm(&name, &flag, other.what(), algorithms));
         }
     }
     Ok(others)
@@ -150,8 +154,7 @@ fn estimators(scene: &Scene, options: &Options, by_itself: &Plan) -> Result<Vec<
 /// As [`prepare::prepare`].
 pub(super) fn reference(scene: &Scene, options: &Options) -> Result<Prepared, PrepareError> {
     let algorithms = Algorithms { caustics: CausticsMode::Photon, ..options.algorithms };
-    let options = Options { algorithms, effects: EffectsMode::Auto, ..options.clone() };
-    prepare::prepare(scene, &options)
+    prepare::prepare(scene, &Options { algorithms, ..options.clone() })
 }
 
 /// What people call how the reference finds caustics.

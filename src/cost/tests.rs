@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::*;
 use crate::page::is_well_formed;
-use crate::prepare::{Algorithms, EffectsMode, Options};
+use crate::prepare::{Algorithms, EffectsMode, Options, Shortcuts};
 use crate::scene::Scene;
 
 /// A clock that counts how often it was asked, so that equal measurements tell equal times.
@@ -58,6 +58,7 @@ fn options() -> CostOptions {
             seed: 0,
             effects: EffectsMode::Auto,
             max_depth: None,
+            shortcuts: Shortcuts::default(),
             transparent: false,
             algorithms: Algorithms::default(),
         },
@@ -81,7 +82,7 @@ fn figures_can_be_repeated() {
     assert_eq!(json(&report), json(&measured().0));
     let names: Vec<&str> = report.switches.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names[0], "full");
-    for name in ["at most 4 events", "without mirror", "without refraction"] {
+    for name in ["at most 4 events", "without mirror", "without caustics", "Schlick's reflectance"] {
         assert!(names.contains(&name), "{names:?}");
     }
     insta::assert_snapshot!(json(&report));
@@ -110,7 +111,7 @@ fn the_page_stands_alone() {
     let evil = "\"><script>alert('x')</script>&";
     report.scene = evil.into();
     for m in &mut report.switches[1..] {
-        (m.name, m.what, m.gives_up) = (evil.into(), evil.into(), evil.into());
+        (m.name, m.what, m.gives_up, m.flag) = (evil.into(), evil.into(), evil.into(), evil.into());
     }
     let about = About { command: evil.into(), facts: vec![(evil.into(), evil.into())] };
     let prices = crate::check::prices();

@@ -19,7 +19,9 @@ use crate::color::Rgb;
 use crate::film::LightLayer;
 use crate::light::LightContext;
 use crate::mutants::planted;
-use crate::prepare::{Caustics, Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
+use crate::prepare::{
+    Caustics, Detail, Effect, Effects, Kept, Medium, Prepared, PreparedMaterial, Surface, Way,
+};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
@@ -163,11 +165,12 @@ impl PathState {
 
     /// Adds light that the path met on its way, unless photons supply it.
     #[inline(always)]
-    fn meet<const LAYERS: bool>(&mut self, found: Rgb) {
+    fn meet<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
         if self.meets_caustic() && self.caustics.by_photons(self.linked) {
             return;
         }
-        let radiance = planted!(clamp(found));
+        let way = || Way { events: self.depth, spread: self.spread, caustic: self.meets_caustic() };
+        let radiance = planted!(clamp(kept.of(found, way)));
         self.radiance += radiance;
         if LAYERS {
             self.layers[self.meets() as usize] += radiance;
@@ -176,17 +179,21 @@ impl PathState {
 
     /// Adds light that was sampled at a vertex that has a spread.
     #[inline(always)]
-    fn lit<const LAYERS: bool>(&mut self, found: Rgb) {
-        let radiance = planted!(clamp(found));
+    fn lit<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
+        let way = || Way { events: self.depth + 1, spread: self.spread + 1, caustic: false };
+        let radiance = planted!(clamp(kept.of(found, way)));
         self.radiance += radiance;
         if LAYERS {
             self.layers[self.samples() as usize] += radiance;
         }
     }
 
-    /// Adds the light of photons.
+    /// Adds the light of photons around a vertex that has a spread.
     #[inline(always)]
-    fn gather<const LAYERS: bool>(&mut self, radiance: Rgb) {
+    fn gather<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
+        // At least one event threw it here.
+        let way = || Way { events: self.depth + 2, spread: self.spread + 1, caustic: true };
+        let radiance = kept.of(found, way);
         self.radiance += radiance;
         if LAYERS {
             self.layers[LightLayer::Caustic as usize] += radiance;
@@ -281,7 +288,7 @@ fn step<const FX: u32, const LAYERS: bool>(
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
         };
-        path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight);
+        path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight, &scene.kept);
     }
     if scene.max_depth.is_some_and(|cap| path.depth >= planted!(depth_off_by_one(cap))) {
         return Next::Done;
@@ -310,7 +317,9 @@ fn step<const FX: u32, const LAYERS: bool>(
         None if fx.has(Effect::Absorption) => medium_beyond(scene, path.medium, material, &context),
         None => path.medium,
     };
-    if !bsdf.is_delta() {
+    // What would be spread once more counts for nothing where indirect light is left out.
+    let over = scene.kept.ends_after(path.spread);
+    if !bsdf.is_delta() && !over {
         let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
         let before = counters.rays;
@@ -318,14 +327,14 @@ fn step<const FX: u32, const LAYERS: bool>(
         if LAYERS {
             counters.layer_rays[path.samples() as usize] += counters.rays - before;
         }
-        path.lit::<LAYERS>(path.beta * ld);
+        path.lit::<LAYERS>(path.beta * ld, &scene.kept);
         if let Some(map) = map
             && path.depth > 0
             && !(path.linked && path.sampled.is_none())
         {
             let place = (path.depth, path.spread > 0);
             let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
-            path.gather::<LAYERS>(path.beta * caustics);
+            path.gather::<LAYERS>(path.beta * caustics, &scene.kept);
         }
     }
 
@@ -335,6 +344,9 @@ fn step<const FX: u32, const LAYERS: bool>(
     else {
         return Next::Done;
     };
+    if over && !sample.delta {
+        return Next::Done;
+    }
     path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
     path.eta_scale *= sample.eta * sample.eta;
     if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
@@ -476,7 +488,7 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
         }
         sum += beta * planted!(light_energy(hit.radiance)) * weight;
     });
-    path.meet::<LAYERS>(sum);
+    path.meet::<LAYERS>(sum, &scene.kept);
 }
 
 fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
@@ -490,5 +502,5 @@ fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
         let weight = path.sampled.as_ref().map_or(1.0, |s| mis_weight(s.pdf, pdf));
         sum += path.beta * radiance * weight;
     });
-    path.meet::<LAYERS>(sum);
+    path.meet::<LAYERS>(sum, &scene.kept);
 }

@@ -33,9 +33,10 @@ pub(super) fn choices(
 fn light_choice(scene: &Scene, folded: &Folded<'_>) -> Choice {
     let emits = |kind: &MaterialKind| kind.emission().is_some();
     let surfaces = scene.objects.iter().filter(|o| has_surface(scene, o));
+    let sky = folded.effects.has(Effect::Environment);
     let lights = surfaces.filter(|o| emits(&folded.kinds[o.material.0 as usize])).count()
-        + scene.lights.iter().filter_map(lights::free).count()
-        + scene.environment.iter().filter(|e| !lights::is_dark(scene, e)).count();
+        + scene.lights.iter().filter_map(lights::free).filter(|e| folded.effects.has(effect_of(e))).count()
+        + scene.environment.iter().filter(|e| sky && !lights::is_dark(scene, e)).count();
     let (chosen, reason) = match lights {
         0 => ("none", "there is no light".to_owned()),
         1 => ("the only one", "sampled at each hit, but on mirrors and clear glass".to_owned()),
@@ -101,7 +102,8 @@ pub(super) fn unseen(
         return Vec::new();
     }
     let is_delta = |light: &&crate::scene::Light| {
-        lights::free(light).is_some_and(|e| effect_of(&e) == Effect::DeltaLights)
+        let points = folded.effects.has(Effect::DeltaLights);
+        points && lights::free(light).is_some_and(|e| effect_of(&e) == Effect::DeltaLights)
     };
     let spreads = |i: &usize| folded.uses[*i].used && material::spreads(&folded.kinds[*i]);
     let mut lights = scene.lights.iter().filter(is_delta);

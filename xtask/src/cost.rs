@@ -99,9 +99,13 @@ fn row(name: &str, report: &Value) -> String {
     let ways = array(report, "switches");
     let Some([samples, rays]) = ways.first().and_then(price) else { return format!("| {name} | | | | |") };
     let ratio = |way: &Value| price(way).map(|[_, other]| other / rays);
-    let of = |kind: &str| ways.iter().filter(|w| text(w, "kind") == kind).filter_map(|w| Some((w, ratio(w)?)));
-    let others: Vec<String> = of("algorithm").map(|(w, r)| format!("{} {}", text(w, "name"), digits(r))).collect();
-    let mut shortcuts: Vec<(&Value, f64)> = of("shortcut").filter(|(_, r)| *r < 0.95).collect();
+    let of = |kind: &str| -> Vec<(&Value, f64)> {
+        ways.iter().filter(|w| text(w, "kind") == kind).filter_map(|w| Some((w, ratio(w)?))).collect()
+    };
+    let others: Vec<String> =
+        of("algorithm").iter().map(|(w, r)| format!("{} {}", text(w, "name"), digits(*r))).collect();
+    let mut shortcuts = of("shortcut");
+    shortcuts.retain(|(_, r)| *r < 0.95);
     shortcuts.sort_by(|a, b| a.1.total_cmp(&b.1));
     let named = shortcuts.iter().take(NAMED).map(|(w, r)| format!("{} {}", text(w, "gives_up"), digits(*r)));
     let shortcuts = named.collect::<Vec<_>>().join(", ");

@@ -126,12 +126,13 @@ pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
         };
         let efficiency = m.efficiency.map_or_else(|| "unknown".into(), |e| if e < 9.95 { format!("{e:.2}") } else { round(e) });
         format!(
-            "<tr><th scope=\"row\">{}<span class=\"what\">{}</span></th><td class=\"n\" data-is=\"takes\">{}</td>\
+            "<tr><th scope=\"row\">{}<span class=\"what\">{}{}</span></th><td class=\"n\" data-is=\"takes\">{}</td>\
              <td class=\"n\" data-is=\"efficiency\">{}{}</td><td class=\"n\" data-is=\"rays a sample\">{:.1}</td>\
              <td class=\"n\" data-is=\"light\">{}</td><td class=\"n\" data-is=\"error floor\">{}</td>\
              <td class=\"n\" data-is=\"better until\">{}</td></tr>\n",
             Text(&capital(&m.name)),
             Text(&m.what),
+            flag(m),
             Text(&time),
             Text(&efficiency),
             efficiency_bar(m.efficiency),
@@ -161,6 +162,11 @@ pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
          <tbody>\n{rows}</tbody></table></div>\n",
         percent_of_target(MAIN)
     )
+}
+
+/// How it is typed.
+fn flag(m: &Measured) -> String {
+    if m.flag.is_empty() { String::new() } else { format!(" <code>{}</code>", Text(&m.flag)) }
 }
 
 /// A bar from one, to the right where it is more; a hundred times is the whole half.

@@ -106,8 +106,10 @@ pub(super) fn walk(
         if lands {
             landed(&landing, counters);
         }
+        // Where indirect light is left out, what is spread here counts for nothing where it lands next.
+        let spreads_on = lands && !scene.kept.ends_after(1);
         // A path from the camera has these events, the next one, and one where the photon lands.
-        if !(casts || lands) || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
+        if !(casts || spreads_on) || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
             return;
         }
         if bounces >= FAR_CAP {
@@ -116,7 +118,7 @@ pub(super) fn walk(
         }
 
         let u = address.block(bounces, Purpose::Bsdf, 0, 0);
-        let Some(next) = scatter(scene, &landing, lands, u) else { return };
+        let Some(next) = scatter(scene, &landing, spreads_on, u) else { return };
         let Scattered { w, weight, delta } = next;
         (thrown, spread_before) = (delta, spread_before || !delta);
         power *= weight;
@@ -168,8 +170,8 @@ struct Scattered {
     delta: bool,
 }
 
-/// A direction of a delta lobe, or of any other one where the photon `lands`; `None` where it ends.
-fn scatter(scene: &Prepared, landing: &Landing<'_>, lands: bool, u: [f32; 4]) -> Option<Scattered> {
+/// A direction of a delta lobe, or of any other one where the photon `spreads_on`; `None` where it ends.
+fn scatter(scene: &Prepared, landing: &Landing<'_>, spreads_on: bool, u: [f32; 4]) -> Option<Scattered> {
     let Landing { photon, surface, detail, material, .. } = landing;
     let (wi, ng) = (photon.wi, surface.ng);
     let normals = Normals::new(scene, landing);
@@ -182,7 +184,7 @@ fn scatter(scene: &Prepared, landing: &Landing<'_>, lands: bool, u: [f32; 4]) ->
         let Some((w, sample)) = sample else { continue };
         if !sample.delta {
             // Any normal serves to sample a lobe with a density, but only one.
-            if lands && normals.chosen(wi) == i {
+            if spreads_on && normals.chosen(wi) == i {
                 let value = spread(scene, landing, w);
                 let weight = value.map(|f| f * (w.dot(ng).abs() / sample.pdf)).filter(|x| x.is_finite());
                 found[i] = weight.map(|weight| Scattered { w, weight, delta: false });
