@@ -167,7 +167,9 @@ pub(super) fn run(args: &CostArgs, arguments: &[OsString], console: &Console) ->
     let measured = cost::measure(&loaded.scene, &options, &watch);
     watch.display.clear();
     let (report, pictures) = measured.map_err(|e| match (e, watch.stop.code()) {
-        (CostError::Run(RunError::Cancelled), Some(code)) => Failure::stopped(code, "stopped; nothing was written"),
+        (CostError::Run(RunError::Cancelled), Some(code)) => {
+            Failure::stopped(code, "stopped; nothing was written")
+        }
         (e, _) => Failure::load(format!("{}: {e}", args.scene.scene.display())),
     })?;
     let write = |path: &Path, text: &str| {

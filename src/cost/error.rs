@@ -139,7 +139,8 @@ fn standard_error(pixels: &[f64], width: usize) -> f64 {
     let n = blocks.len() as f64;
     let (sum, count) = (pixels.iter().sum::<f64>(), pixels.len() as f64);
     // Of a ratio of sums, as blocks at the edges have fewer pixels.
-    let squares: f64 = blocks.iter().map(|(s, k): &(f64, f64)| (s - k * sum / count) * (s - k * sum / count)).sum();
+    let squares: f64 =
+        blocks.iter().map(|(s, k): &(f64, f64)| (s - k * sum / count) * (s - k * sum / count)).sum();
     (squares * n / (n - 1.0).max(1.0)).sqrt() / count
 }
 

@@ -110,9 +110,11 @@ pub fn measure(
 ) -> Result<(CostReport, Pictures), CostError> {
     let small = Options { size: options.measured, ..options.prepare.clone() };
     let ways = switches(scene, &small)?;
-    let mut prepared: Vec<Prepared> = ways.iter().map(|w| w.prepare(scene, &small)).collect::<Result<_, _>>()?;
+    let mut prepared: Vec<Prepared> =
+        ways.iter().map(|w| w.prepare(scene, &small)).collect::<Result<_, _>>()?;
     let mut long = reference(scene, &small)?;
-    let mut work = Work { observer, threads: options.threads, total: f64::INFINITY, done: 0.0, doing: String::new() };
+    let mut work =
+        Work { observer, threads: options.threads, total: f64::INFINITY, done: 0.0, doing: String::new() };
     let schedule = schedule(options, &mut prepared, &mut long, &mut work)?;
 
     let base = options.prepare.seed;
@@ -145,7 +147,8 @@ pub fn measure(
     let measured: Vec<Measured> =
         ways.iter().zip(&summed).map(|(w, r)| Measured::new(w, r, &summed[0], truth.total)).collect();
 
-    let (pictures, layers) = pictures::render(scene, options, &ways, &measured, &schedule.units, schedule.pictures, &mut work)?;
+    let (pictures, layers) =
+        pictures::render(scene, options, &ways, &measured, &schedule.units, schedule.pictures, &mut work)?;
     work.doing = "double precision".to_owned();
     let double = numerics::double(scene, options, &mut work)?;
     work.done = work.total;

@@ -86,11 +86,8 @@ pub(super) fn render(
 ) -> Result<(Pictures, Vec<LayerShare>), RunError> {
     let size = size(options.prepare.size, ways.len());
     let pixels = |[w, h]: [u32; 2]| f64::from(w) * f64::from(h);
-    let at_size = Options {
-        size,
-        seed: options.prepare.seed.wrapping_add(2 * APART),
-        ..options.prepare.clone()
-    };
+    let at_size =
+        Options { size, seed: options.prepare.seed.wrapping_add(2 * APART), ..options.prepare.clone() };
     // A pass of a picture is so many passes of a measured one, and takes so long.
     let (larger, end) = (pixels(size) / pixels(options.measured), work.done + budget);
     let scale = pixels(size) / pixels(options.prepare.size);
@@ -130,7 +127,11 @@ pub(super) fn render(
 /// V of one sample, or E^2 of another way to the same picture.
 fn noise(way: &Measured) -> f64 {
     let Some(last) = way.points.last() else { return 0.0 };
-    let square = if way.kind == Kind::Shortcut { last.noise * last.noise } else { last.error.value * last.error.value };
+    let square = if way.kind == Kind::Shortcut {
+        last.noise * last.noise
+    } else {
+        last.error.value * last.error.value
+    };
     square * f64::from(last.spp)
 }
 
@@ -143,17 +144,15 @@ fn bias(way: &Measured) -> f64 {
 /// As large as a page can carry that many of.
 fn size([w, h]: [u32; 2], ways: usize) -> [u32; 2] {
     let aspect = f64::from(h) / f64::from(w);
-    let width = (PIXELS / (2 * ways + 5) as f64 / aspect).sqrt().min(WIDTHS[1] / aspect.max(1.0)).max(WIDTHS[0]);
+    let width =
+        (PIXELS / (2 * ways + 5) as f64 / aspect).sqrt().min(WIDTHS[1] / aspect.max(1.0)).max(WIDTHS[0]);
     let width = width.min(f64::from(w)).floor();
     [width.max(1.0) as u32, (width * aspect).round().max(1.0) as u32]
 }
 
 /// As the scene says.
 fn tone(scene: &Scene) -> Tone {
-    Tone {
-        curve: scene.settings.tone.unwrap_or_default(),
-        exposure: scene.settings.exposure.unwrap_or(0.0),
-    }
+    Tone { curve: scene.settings.tone.unwrap_or_default(), exposure: scene.settings.exposure.unwrap_or(0.0) }
 }
 
 /// The whole picture and its layers, as clean as the reference makes them with the work that is left; the shares of

@@ -258,7 +258,9 @@ fn root(square: Interval) -> Interval {
 fn change(runs: &Runs, full: &Runs, light: f64) -> Interval {
     let common = runs.levels.iter().rposition(|n| full.levels.contains(n));
     let pair = common.and_then(|i| Some((i, full.levels.iter().position(|n| *n == runs.levels[i])?)));
-    let Some((i, k)) = pair else { return Interval { value: f64::NAN, low: f64::NEG_INFINITY, high: f64::INFINITY } };
+    let Some((i, k)) = pair else {
+        return Interval { value: f64::NAN, low: f64::NEG_INFINITY, high: f64::INFINITY };
+    };
     let totals = runs.parts[i].totals.iter().zip(&full.parts[k].totals);
     Interval::of_mean(&totals.map(|(a, b)| (a - b) / light).collect::<Vec<f64>>())
 }

@@ -107,5 +107,9 @@ impl Work<'_> {
 
 /// Luminance of each pixel, as the error has it.
 pub(super) fn luminance(image: &Image) -> Vec<f64> {
-    image.rgb.iter().map(|c| 0.2126 * f64::from(c.r) + 0.7152 * f64::from(c.g) + 0.0722 * f64::from(c.b)).collect()
+    image
+        .rgb
+        .iter()
+        .map(|c| 0.2126 * f64::from(c.r) + 0.7152 * f64::from(c.g) + 0.0722 * f64::from(c.b))
+        .collect()
 }

@@ -1,8 +1,8 @@
 //! What can be switched: estimators, and effects that a picture could do without.
 
 use crate::prepare::{
-    self, Algorithms, Caustics, CausticsMode, Effect, Omission, Options, Plan, PrepareError, Prepared, Shortcut,
-    shortcuts_of,
+    self, Algorithms, Caustics, CausticsMode, Effect, Omission, Options, Plan, PrepareError, Prepared,
+    Shortcut, shortcuts_of,
 };
 use crate::scene::Scene;
 
@@ -99,17 +99,24 @@ fn describe(shortcut: &Shortcut, plan: &Plan) -> (String, String) {
         Shortcut::MaxDepth(most) => {
             let events = if *most == 1 { "event" } else { "events" };
             let what = format!("light that was scattered {most} times at most");
-            let what = if *most == 1 { "light that comes from lamps at once, and no other".to_owned() } else { what };
+            let what = if *most == 1 {
+                "light that comes from lamps at once, and no other".to_owned()
+            } else {
+                what
+            };
             (what, format!("light after {most} {events}"))
         }
         Shortcut::Clamp(most) => (
             format!("no contribution after the first event counts for more than {most} W/(sr m\u{b2})"),
             "the brightest light".to_owned(),
         ),
-        Shortcut::Schlick => {
-            ("dielectrics reflect by Schlick\u{2019}s approximation".to_owned(), "exact reflectance".to_owned())
+        Shortcut::Schlick => (
+            "dielectrics reflect by Schlick\u{2019}s approximation".to_owned(),
+            "exact reflectance".to_owned(),
+        ),
+        Shortcut::IndirectGain(gain) => {
+            (format!("indirect light times {gain}"), "what is physical".to_owned())
         }
-        Shortcut::IndirectGain(gain) => (format!("indirect light times {gain}"), "what is physical".to_owned()),
     }
 }
 

@@ -125,8 +125,12 @@ fn the_page_stands_alone() {
     assert!(html.split("src=\"").skip(1).all(|s| s.starts_with("data:image/png;base64,")));
     assert!(html.split("url(").skip(1).all(|s| s.starts_with("data:image/png;base64,")));
     assert_eq!(html.matches("<img ").count(), html.matches(" alt=\"").count());
-    let text: String = html.split("base64,").map(|s| s.split_once(['"', ')']).map_or(s, |(_, rest)| rest)).collect();
-    assert!(!text.contains("NaN") && !text.contains("inf,") && !text.contains("inf\""), "numbers that are none");
+    let text: String =
+        html.split("base64,").map(|s| s.split_once(['"', ')']).map_or(s, |(_, rest)| rest)).collect();
+    assert!(
+        !text.contains("NaN") && !text.contains("inf,") && !text.contains("inf\""),
+        "numbers that are none"
+    );
 }
 
 /// A page of nothing is a page; a black scene is an error; whoever cancels is obeyed.

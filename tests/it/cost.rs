@@ -21,7 +21,8 @@ fn writes_a_page_and_figures() {
         let json: serde_json::Value = serde_json::from_slice(&folder.read(name)).unwrap();
         assert_eq!(json["schema"], "epsilux.cost/1");
         let ways = json["switches"].as_array().unwrap();
-        let of = |w: &serde_json::Value| (w["name"].clone(), w["rays_per_sample"].clone(), w["points"].clone());
+        let of =
+            |w: &serde_json::Value| (w["name"].clone(), w["rays_per_sample"].clone(), w["points"].clone());
         (json["scene_sha256"].clone(), json["layers"].clone(), ways.iter().map(of).collect::<Vec<_>>())
     };
     assert_eq!(figures("a.json"), figures("b.json"));

@@ -37,7 +37,8 @@ const NAMED: usize = 3;
 /// Runs the chore; an error is a message for people.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository");
-    let build = Command::new(env!("CARGO")).args(["build", "--release", "--quiet"]).current_dir(root).status();
+    let build =
+        Command::new(env!("CARGO")).args(["build", "--release", "--quiet"]).current_dir(root).status();
     if !build.map_err(|e| format!("cargo could not be started: {e}"))?.success() {
         return Err("the program could not be built".to_owned());
     }
@@ -126,7 +127,12 @@ fn digits(v: f64) -> String {
 }
 
 /// Puts the table between its marks.
-fn write_table(root: &Path, arguments: &Arguments, scenes: &[(String, String)], rows: &[String]) -> Result<(), String> {
+fn write_table(
+    root: &Path,
+    arguments: &Arguments,
+    scenes: &[(String, String)],
+    rows: &[String],
+) -> Result<(), String> {
     let path = root.join("README.md");
     let failed = |e: std::io::Error| format!("{}: {e}", path.display());
     let readme = std::fs::read_to_string(&path).map_err(failed)?;
@@ -165,7 +171,8 @@ mod tests {
             way("at most 4 events", "shortcut", "light after 4 events", 1000.0, 4.0),
             way("at most 8 events", "shortcut", "light after 8 events", 1230.0, 8.0),
         ] });
-        let expected = "| room | 1200 | 9900 | caustics by photons 0.12 | light after 4 events 0.41, mirror 0.49 |";
+        let expected =
+            "| room | 1200 | 9900 | caustics by photons 0.12 | light after 4 events 0.41, mirror 0.49 |";
         assert_eq!(row("room", &report), expected);
         assert_eq!(row("room", &Value::Null), "| room | | | | |");
     }

@@ -288,7 +288,8 @@ pub(crate) fn content_hash(text: &str) -> String {
 /// The table of costs was made from the scenes as they are.
 fn costs(files: &[File], findings: &mut Findings) {
     let Some(readme) = files.iter().find(|f| f.path == README) else { return };
-    let Some((line, number)) = readme.text.lines().zip(1..).find(|(l, _)| l.starts_with(crate::cost::BEGIN)) else {
+    let Some((line, number)) = readme.text.lines().zip(1..).find(|(l, _)| l.starts_with(crate::cost::BEGIN))
+    else {
         return findings.add(README, 0, "no table of costs, expected the one that `cargo xtask cost` writes");
     };
     for file in files.iter().filter(|f| f.path.starts_with("scenes/") && f.path.ends_with(".toml")) {

@@ -80,7 +80,11 @@ fn header(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -> String
         "<header class=\"top\">\n<div>\n<p class=\"title\">What accuracy costs: {}</p>\n<h1>{}</h1>\n{}</div>\n{whole}</header>\n",
         Text(&report.scene),
         words::html(&words.headline()),
-        words.lead().iter().map(|s| format!("<p class=\"lead\">{}</p>\n", words::html(s))).collect::<String>(),
+        words
+            .lead()
+            .iter()
+            .map(|s| format!("<p class=\"lead\">{}</p>\n", words::html(s)))
+            .collect::<String>(),
     )
 }
 

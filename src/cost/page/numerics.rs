@@ -20,7 +20,11 @@ pub(super) fn prices(report: &CostReport, prices: &[Price]) -> String {
     }
     if let Some(d) = &report.double {
         let within = 0.5 * (d.difference.high - d.difference.low);
-        let word = if d.difference.low > 0.0 || d.difference.high < 0.0 { "differs" } else { "differs by no more than noise" };
+        let word = if d.difference.low > 0.0 || d.difference.high < 0.0 {
+            "differs"
+        } else {
+            "differs by no more than noise"
+        };
         html += &format!(
             "<p>The reference integrator, brute force in double precision, takes <b>{} times</b> as long a sample. Its light {word} \
              from that of single precision: {} \u{b1} {} ({} samples at {}\u{d7}{}).</p>\n",

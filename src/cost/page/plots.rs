@@ -129,9 +129,10 @@ fn figure(beside: &[&Measured], way: &Measured, words: &Words<'_>) -> String {
 
 /// For those who cannot see the plot.
 fn title(way: &Measured) -> String {
-    let last = way.points.last().map_or_else(String::new, |p| {
-        format!("; after {} samples it is {}", p.spp, percent(p.error.value))
-    });
+    let last = way
+        .points
+        .last()
+        .map_or_else(String::new, |p| format!("; after {} samples it is {}", p.spp, percent(p.error.value)));
     format!("{}: error over time{last}", way.name)
 }
 
@@ -154,7 +155,8 @@ fn curve(curve: &Curve<'_>, area: &Area, class: &str, words: &Words<'_>) -> Stri
     let mut svg = area.line(class, curve.line([first[0], last[0]], words));
     let within = |p: &[f64; 2]| p[1] >= area.y[0] && p[1] <= area.y[1];
     if area.x[1] > last[0] {
-        let beyond: Vec<[f64; 2]> = curve.line([last[0], area.x[1]], words).into_iter().filter(within).collect();
+        let beyond: Vec<[f64; 2]> =
+            curve.line([last[0], area.x[1]], words).into_iter().filter(within).collect();
         svg += &area.line(&format!("{class} beyond"), beyond);
     }
     svg
@@ -202,7 +204,8 @@ fn floor(curve: &Curve<'_>, area: &Area) -> String {
 const NAMED: [f64; 13] =
     [1e-3, 1e-2, 0.1, 1.0, 10.0, 60.0, 600.0, 3600.0, 36_000.0, 86_400.0, 864_000.0, 8.64e6, 8.64e7];
 const BETWEEN: [f64; 16] = [
-    0.002, 0.005, 0.02, 0.05, 0.2, 0.5, 2.0, 5.0, 30.0, 120.0, 300.0, 1800.0, 7200.0, 18_000.0, 172_800.0, 432_000.0,
+    0.002, 0.005, 0.02, 0.05, 0.2, 0.5, 2.0, 5.0, 30.0, 120.0, 300.0, 1800.0, 7200.0, 18_000.0, 172_800.0,
+    432_000.0,
 ];
 
 /// Where a time axis has numbers.
@@ -240,7 +243,10 @@ mod tests {
     fn times_on_an_axis() {
         let said = |from: f64, to: f64| {
             let all = ticks([from, to].map(libm::log10));
-            all.into_iter().map(|t| short(libm::pow(10.0, t)).replace('\u{a0}', " ")).collect::<Vec<_>>().join(", ")
+            all.into_iter()
+                .map(|t| short(libm::pow(10.0, t)).replace('\u{a0}', " "))
+                .collect::<Vec<_>>()
+                .join(", ")
         };
         assert_eq!(said(0.5, 200.0), "1 s, 10 s, 1 min");
         assert_eq!(said(0.9, 30.0), "1 s, 2 s, 5 s, 10 s, 30 s");

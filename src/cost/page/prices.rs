@@ -28,7 +28,8 @@ fn price_list(words: &Words<'_>) -> String {
     let Some(full) = words.full().filter(|f| !f.prices.is_empty()) else { return String::new() };
     let row = |p: &crate::cost::report::Price| {
         let main = if p.error == MAIN { " class=\"main\"" } else { "" };
-        let mark = if p.measured { "" } else { "<span class=\"muted\" title=\"beyond what was measured\">*</span>" };
+        let mark =
+            if p.measured { "" } else { "<span class=\"muted\" title=\"beyond what was measured\">*</span>" };
         format!(
             "<tr{main}><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\"><b>{}</b>{mark}</td></tr>\n",
             percent_of_target(p.error),
@@ -82,7 +83,11 @@ fn given_up(report: &CostReport, words: &Words<'_>) -> String {
     shortcuts.sort_by(|a, b| error(a).total_cmp(&error(b)));
     let row = |m: &&Measured| {
         let takes = m.price(MAIN).map_or_else(String::new, |p| words.time(p.seconds.value));
-        let floor = if m.floor.low > 0.0 { format!(", error above {}", percent(m.floor.value)) } else { String::new() };
+        let floor = if m.floor.low > 0.0 {
+            format!(", error above {}", percent(m.floor.value))
+        } else {
+            String::new()
+        };
         let worth = match m.until {
             Until::Seconds { error, .. } => format!("; worth it for errors above {}", percent(error)),
             _ => "; worth it as far as was measured".into(),
@@ -98,10 +103,13 @@ fn given_up(report: &CostReport, words: &Words<'_>) -> String {
     };
     let rows: String = shortcuts.iter().take(SHORT - 1).map(row).collect();
     if rows.is_empty() {
-        return "<p>Nothing that was tried is worth it: without it the same noise costs as much.</p>\n".into();
+        return "<p>Nothing that was tried is worth it: without it the same noise costs as much.</p>\n"
+            .into();
     }
     let target = percent_of_target(MAIN);
-    format!("<ul class=\"bars\">\n{rows}</ul>\n<p class=\"note\">Times are those to a noise of {target}.</p>\n")
+    format!(
+        "<ul class=\"bars\">\n{rows}</ul>\n<p class=\"note\">Times are those to a noise of {target}.</p>\n"
+    )
 }
 
 /// A horizontal bar of a share in [0, 1].
@@ -124,7 +132,9 @@ pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
             (false, true) => percent(m.floor.value),
             (false, false) => format!("below {}", percent(m.floor.high)),
         };
-        let efficiency = m.efficiency.map_or_else(|| "unknown".into(), |e| if e < 9.95 { format!("{e:.2}") } else { round(e) });
+        let efficiency = m
+            .efficiency
+            .map_or_else(|| "unknown".into(), |e| if e < 9.95 { format!("{e:.2}") } else { round(e) });
         format!(
             "<tr><th scope=\"row\">{}<span class=\"what\">{}{}</span></th><td class=\"n\" data-is=\"takes\">{}</td>\
              <td class=\"n\" data-is=\"efficiency\">{}{}</td><td class=\"n\" data-is=\"rays a sample\">{:.1}</td>\

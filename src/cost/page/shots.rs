@@ -24,9 +24,10 @@ pub(super) fn style(pictures: &Pictures) -> String {
 pub(super) fn all(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -> String {
     let Some(full) = pictures.switches.first() else { return String::new() };
     let size = pictures.size.map(|v| v as usize);
-    let error = report.switches[0].points.last().map_or(0.0, |p| {
-        p.error.value * (f64::from(p.spp) / f64::from(full.spp.max(1))).sqrt()
-    });
+    let error = report.switches[0]
+        .points
+        .last()
+        .map_or(0.0, |p| p.error.value * (f64::from(p.spp) / f64::from(full.spp.max(1))).sqrt());
     let mut html = String::new();
     let pairs = report.switches.iter().zip(&pictures.switches).enumerate().skip(1);
     for (i, (way, shots)) in pairs {
@@ -44,9 +45,10 @@ pub(super) fn all(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -
             EqualError::Never => {
                 missing(&same, &format!("It has none: its bias alone is {}.", percent(way.floor.value)))
             }
-            EqualError::TooLong(s) => {
-                missing(&same, &format!("It would take {} instead of {}.", words.time(*s), words.time(full.seconds)))
-            }
+            EqualError::TooLong(s) => missing(
+                &same,
+                &format!("It would take {} instead of {}.", words.time(*s), words.time(full.seconds)),
+            ),
             EqualError::Picture(rgb, spp, s) => pair(
                 &same,
                 &format!("full: {}", words.time(full.seconds)),
@@ -54,7 +56,8 @@ pub(super) fn all(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -
                 &img(size, rgb.clone(), pictures.tone, &alt("equal error")),
             ),
         };
-        let open = if i == 1 || (i == 2 && report.switches[1].kind == Kind::Algorithm) { " open" } else { "" };
+        let open =
+            if i == 1 || (i == 2 && report.switches[1].kind == Kind::Algorithm) { " open" } else { "" };
         html += &format!(
             "<details class=\"pairs\"{open}>\n<summary><b>{}</b> <span class=\"what\">{}</span></summary>\n\
              <div class=\"two\">\n{time}{equal}</div>\n</details>\n",
@@ -79,5 +82,9 @@ fn pair(how: &str, left: &str, right: &str, other: &str) -> String {
 }
 
 fn missing(how: &str, why: &str) -> String {
-    format!("<figure><figcaption><b>At {}</b></figcaption><p class=\"missing\">{}</p></figure>\n", Text(how), Text(why))
+    format!(
+        "<figure><figcaption><b>At {}</b></figcaption><p class=\"missing\">{}</p></figure>\n",
+        Text(how),
+        Text(why)
+    )
 }

@@ -249,7 +249,9 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        for (n, text) in [(3.2, "3"), (220.4, "220"), (12_345.0, "12\u{202f}300"), (1e6, "1\u{202f}000\u{202f}000")] {
+        for (n, text) in
+            [(3.2, "3"), (220.4, "220"), (12_345.0, "12\u{202f}300"), (1e6, "1\u{202f}000\u{202f}000")]
+        {
             assert_eq!(thousands(n), text);
         }
         assert_eq!([percent_of_target(0.01), percent_of_target(0.005)], ["1\u{a0}%", "0.5\u{a0}%"]);

@@ -196,7 +196,8 @@ fn the_table_of_costs_is_that_of_the_scenes() {
     let scene = "#:schema x.json\n#\n# A room.\nepsilux = 1";
     let made_from = format!("# x\n<!-- cost: all; room.toml {} -->\n", content_hash(scene));
     check_file("README.md", &made_from, &[]);
-    let found = ["README.md:2: costs of another version of room.toml; `cargo xtask cost` measures them again"];
+    let found =
+        ["README.md:2: costs of another version of room.toml; `cargo xtask cost` measures them again"];
     check_file("README.md", "# x\n<!-- cost: all; room.toml 0123456789abcdef -->\n", &found);
     let found = ["README.md:0: no table of costs, expected the one that `cargo xtask cost` writes"];
     check_file("README.md", "# x\n", &found);
