@@ -55,6 +55,7 @@ pub(super) enum Command {
     Compare(CompareArgs),
     Merge(MergeArgs),
     Check(CheckArgs),
+    Cost(super::cost::CostArgs),
     Golden(super::golden::GoldenArgs),
     Demo(DemoArgs),
     /// Print the JSON Schema of the scene's text form, for editors

@@ -8,6 +8,7 @@ mod check;
 mod command;
 mod compare;
 mod convert;
+mod cost;
 mod explain;
 mod fixtures;
 mod golden;
