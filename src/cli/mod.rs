@@ -9,6 +9,7 @@ mod check;
 mod compare;
 mod console;
 mod convert;
+mod cost;
 mod demo;
 mod doubt;
 mod explain;
@@ -24,6 +25,7 @@ mod progress;
 mod render;
 mod saver;
 mod schema;
+mod shortcuts;
 mod signal;
 mod stated;
 mod units;
@@ -88,6 +90,7 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Compare(args) => compare::run(&args, console),
         Command::Merge(args) => merge::run(&args, console),
         Command::Check(args) => check::run(&args, console),
+        Command::Cost(args) => cost::run(&args, arguments, console),
         Command::Golden(args) => golden::run(&args, console),
         Command::Demo(args) => demo::run(&args, arguments, console),
         Command::Schema(args) => schema::run(&args, console),

@@ -33,6 +33,16 @@ struct Line {
     doubt: Option<DoubtJson>,
 }
 
+/// One line of `--progress json` of what is more than one render.
+#[derive(Serialize)]
+struct ShareLine<'a> {
+    schema: &'static str,
+    percent: f64,
+    doing: &'a str,
+    seconds: f64,
+    seconds_left: Option<f64>,
+}
+
 /// Steps of the bar.
 const STEPS: u64 = 10_000;
 
@@ -72,6 +82,32 @@ impl<'a> Display<'a> {
                     seconds_left: left,
                     mrays_per_second,
                     doubt: p.error.and_then(|(e, _)| e.doubt).map(|d| DoubtJson::new(&d, &[])),
+                };
+                if let Ok(line) = serde_json::to_string(&line) {
+                    console.message(&line);
+                }
+            }
+        }
+    }
+
+    /// Shows how much of something other than one render is done.
+    pub(super) fn show_share(&self, share: f64, seconds: f64, doing: &str) {
+        // The first moments say nothing of the time.
+        let left = (share > 0.005).then(|| seconds * (1.0 - share) / share);
+        match self {
+            Self::Nothing => {}
+            Self::Bar(bar) => {
+                let left = left.map_or(String::new(), |left| format!("{} left, ", show_time(left)));
+                bar.set_message(format!("{left}{doing}"));
+                bar.set_position((share * STEPS as f64) as u64);
+            }
+            Self::Json(console) => {
+                let line = ShareLine {
+                    schema: "epsilux.progress-of/1",
+                    percent: 100.0 * share,
+                    doing,
+                    seconds,
+                    seconds_left: left,
                 };
                 if let Ok(line) = serde_json::to_string(&line) {
                     console.message(&line);

@@ -19,7 +19,9 @@ use crate::color::Rgb;
 use crate::film::{Found, LIGHT_CLASSES, LightLayer, light_class};
 use crate::light::{LightContext, LightId};
 use crate::mutants::planted;
-use crate::prepare::{Caustics, Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
+use crate::prepare::{
+    Caustics, Detail, Effect, Effects, Kept, Medium, Prepared, PreparedMaterial, Surface, Way,
+};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
@@ -68,10 +70,12 @@ struct PathState {
     radiance: Rgb,
     /// Which parts that consists of, where layers are asked for.
     layers: Layers,
-    /// Whether its first event had no spread: the camera looks into a mirror or through glass.
+    /// Whether its first event had no spread, or a narrow one: the camera looks into a mirror or through glass.
     through: bool,
-    /// How many of its events had a spread.
+    /// How many of its events had a spread, and not a narrow one.
     spread: u32,
+    /// Whether the last event had no spread, or a narrow one.
+    thrown: bool,
     /// Whether it is `E D (S+ D)*` so far, or nothing yet: the form of which photons reach the camera directly.
     linked: bool,
     /// Which caustics it leaves to photons.
@@ -130,33 +134,40 @@ impl PathState {
             layers: [Rgb::BLACK; LightLayer::ALL.len()],
             through: false,
             spread: 0,
+            thrown: false,
             linked: true,
             caustics: scene.plan.caustics,
         }
     }
 
-    /// Whether light that the path meets now is a caustic: its last event had no spread, an earlier one had.
+    /// Whether light that the path meets now is a caustic: its last event had no spread, or a narrow one; an earlier
+    /// one had.
     #[inline(always)]
     fn meets_caustic(&self) -> bool {
-        self.sampled.is_none() && self.spread > 0
+        self.thrown && self.spread > 0
     }
 
-    /// Counts light of which photons can say how much there is, unless they supply it.
+    /// Counts light that the path meets now and of which photons can say how much there is, unless they supply it.
     #[inline(always)]
     fn count(&self, scene: &Prepared, found: Rgb, light: LightId, counters: &mut Counters) {
         let caustic = self.meets_caustic();
         if self.depth == 0 || self.through || (caustic && self.caustics.by_photons(self.linked)) {
             return;
         }
-        counters.found[light_class(scene.apart.number(light), caustic)] += f64::from(found.luminance());
+        let way = || Way { events: self.depth, spread: self.spread, caustic };
+        let found = scene.kept.of(found, way).luminance();
+        counters.found[light_class(scene.apart.number(light), caustic)] += f64::from(found);
     }
 
-    /// Counts the same of light that was sampled at a vertex.
+    /// Counts the same of light that was sampled at a vertex, on a material that may be `narrow`.
     #[inline(always)]
-    fn count_lit(&self, scene: &Prepared, found: Rgb, light: LightId, counters: &mut Counters) {
-        if !self.through {
-            counters.found[light_class(scene.apart.number(light), false)] += f64::from(found.luminance());
+    fn count_lit(&self, scene: &Prepared, narrow: bool, found: Rgb, light: LightId, counters: &mut Counters) {
+        if self.through || (narrow && self.depth == 0) {
+            return;
         }
+        let way = || self.way_lit(narrow);
+        let found = scene.kept.of(found, way).luminance();
+        counters.found[light_class(scene.apart.number(light), narrow)] += f64::from(found);
     }
 
     /// The layer of light that the path meets now.
@@ -164,17 +175,18 @@ impl PathState {
     fn meets(&self) -> LightLayer {
         match (self.depth, &self.sampled) {
             (0, _) => LightLayer::Emitted,
-            (_, None) if self.spread > 0 => LightLayer::Caustic,
+            _ if self.meets_caustic() => LightLayer::Caustic,
             _ if self.through => LightLayer::Glass,
             (1, _) => LightLayer::Direct,
             _ => LightLayer::Indirect,
         }
     }
 
-    /// The layer of light that is sampled at the vertex where the path is now.
+    /// The layer of light that is sampled at the vertex where the path is now, on a material that may be `narrow`.
     #[inline(always)]
-    fn samples(&self) -> LightLayer {
+    fn samples(&self, narrow: bool) -> LightLayer {
         match self.depth {
+            _ if narrow && self.spread > 0 => LightLayer::Caustic,
             _ if self.through => LightLayer::Glass,
             0 => LightLayer::Direct,
             _ => LightLayer::Indirect,
@@ -183,36 +195,50 @@ impl PathState {
 
     /// Adds light that the path met on its way, unless photons supply it.
     #[inline(always)]
-    fn meet<const LAYERS: bool>(&mut self, found: Rgb) {
+    fn meet<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
         if self.meets_caustic() && self.caustics.by_photons(self.linked) {
             return;
         }
-        let radiance = planted!(clamp(found));
+        let way = || Way { events: self.depth, spread: self.spread, caustic: self.meets_caustic() };
+        let radiance = planted!(clamp(kept.of(found, way)));
         self.radiance += radiance;
         if LAYERS {
             self.layers[self.meets() as usize] += radiance;
         }
     }
 
-    /// Adds light that was sampled at a vertex that has a spread.
+    /// The way of light that is sampled at the vertex where the path is now, on a material that may be `narrow`.
     #[inline(always)]
-    fn lit<const LAYERS: bool>(&mut self, found: Rgb) {
-        let radiance = planted!(clamp(found));
-        self.radiance += radiance;
-        if LAYERS {
-            self.layers[self.samples() as usize] += radiance;
+    fn way_lit(&self, narrow: bool) -> Way {
+        Way {
+            events: self.depth + 1,
+            spread: self.spread + u32::from(!narrow),
+            caustic: narrow && self.spread > 0,
         }
     }
 
-    /// Adds the light of photons, by class.
-    fn gather(&mut self, found: &[Rgb; LIGHT_CLASSES], counters: &mut Counters) {
+    /// Adds light that was sampled at a vertex that has a spread, on a material that may be `narrow`.
+    #[inline(always)]
+    fn lit<const LAYERS: bool>(&mut self, narrow: bool, found: Rgb, kept: &Kept) {
+        let radiance = planted!(clamp(kept.of(found, || self.way_lit(narrow))));
+        self.radiance += radiance;
+        if LAYERS {
+            self.layers[self.samples(narrow) as usize] += radiance;
+        }
+    }
+
+    /// Adds the light of photons around a vertex that has a spread, by class.
+    fn gather(&mut self, found: &[Rgb; LIGHT_CLASSES], kept: &Kept, counters: &mut Counters) {
         for (class, &found) in found.iter().enumerate().filter(|(_, f)| !f.is_black()) {
-            let radiance = self.beta * found;
+            // At least one event brought it here.
+            let caustic = class % 2 == 1;
+            let way = || Way { events: self.depth + 2, spread: self.spread + 1, caustic };
+            let radiance = kept.of(self.beta * found, way);
             self.radiance += radiance;
-            let layer = match class % 2 {
-                1 => LightLayer::Caustic,
-                _ if self.through => LightLayer::Glass,
-                _ => LightLayer::Indirect,
+            let layer = match self.through {
+                _ if caustic => LightLayer::Caustic,
+                true => LightLayer::Glass,
+                false => LightLayer::Indirect,
             };
             self.layers[layer as usize] += radiance;
             if !self.through {
@@ -310,7 +336,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         };
         let found = path.beta * planted!(light_energy(le)) * weight;
         path.count(scene, found, light, counters);
-        path.meet::<LAYERS>(found);
+        path.meet::<LAYERS>(found, &scene.kept);
     }
     // Whatever else arrives where the path was spread for the second time, photons have brought.
     if path.spread > 1 && maps.is_some_and(|m| m.indirect.is_some()) {
@@ -343,19 +369,23 @@ fn step<const FX: u32, const LAYERS: bool>(
         None if fx.has(Effect::Absorption) => medium_beyond(scene, path.medium, material, &context),
         None => path.medium,
     };
-    if !bsdf.is_delta() {
+    // What photons supply is not sampled here either.
+    let left = prepared.narrow && path.spread > 0 && path.caustics.by_photons(path.linked);
+    // What would be spread once more counts for nothing where indirect light is left out.
+    let over = !prepared.narrow && scene.kept.ends_after(path.spread);
+    if !bsdf.is_delta() && !left && !over {
         let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
         let before = counters.rays;
         if let Some((ld, light)) = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters) {
             let found = path.beta * ld;
-            path.count_lit(scene, found, light, counters);
-            path.lit::<LAYERS>(found);
+            path.count_lit(scene, prepared.narrow, found, light, counters);
+            path.lit::<LAYERS>(prepared.narrow, found, &scene.kept);
         }
         if LAYERS {
-            counters.layer_rays[path.samples() as usize] += counters.rays - before;
+            counters.layer_rays[path.samples(prepared.narrow) as usize] += counters.rays - before;
         }
-        if let Some(maps) = maps {
+        if let Some(maps) = maps.filter(|_| !prepared.narrow) {
             gather(scene, maps, path, bsdf, &frame, &context, media, counters);
         }
     }
@@ -366,14 +396,19 @@ fn step<const FX: u32, const LAYERS: bool>(
     else {
         return Next::Done;
     };
+    if over && !sample.delta {
+        return Next::Done;
+    }
     path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
     path.eta_scale *= sample.eta * sample.eta;
     if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
         path.medium = beyond;
     }
-    path.linked &= if path.depth == 0 { !sample.delta } else { sample.delta || path.sampled.is_none() };
-    path.through |= path.depth == 0 && sample.delta;
-    path.spread += u32::from(!sample.delta);
+    let thrown = sample.delta || prepared.narrow;
+    path.linked &= if path.depth == 0 { !thrown } else { thrown || path.thrown };
+    path.through |= path.depth == 0 && thrown;
+    path.spread += u32::from(!thrown);
+    path.thrown = thrown;
     path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
     path.from = leaving;
@@ -399,14 +434,16 @@ fn gather(
     media: [Medium; 2],
     counters: &mut Counters,
 ) {
-    let linked = path.linked && path.sampled.is_none();
+    let linked = path.linked && path.thrown;
     let place = Place { depth: path.depth, spread: path.spread > 0, linked: true };
     if let Some(map) = maps.caustics.as_ref().filter(|_| path.depth > 0 && !linked) {
-        path.gather(&gathered(scene, map, bsdf, frame, context, media, place), counters);
+        let found = gathered(scene, map, bsdf, frame, context, media, place);
+        path.gather(&found, &scene.kept, counters);
     }
     if let Some(map) = maps.indirect.as_ref().filter(|_| path.spread == 1) {
         let place = Place { linked: !(linked && path.caustics != Caustics::Path), ..place };
-        path.gather(&gathered(scene, map, bsdf, frame, context, media, place), counters);
+        let found = gathered(scene, map, bsdf, frame, context, media, place);
+        path.gather(&found, &scene.kept, counters);
     }
 }
 
@@ -537,7 +574,7 @@ fn free_lights<const FX: u32, const LAYERS: bool>(
         path.count(scene, found, hit.light, counters);
         sum += found;
     });
-    path.meet::<LAYERS>(sum);
+    path.meet::<LAYERS>(sum, &scene.kept);
 }
 
 fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState, counters: &mut Counters) {
@@ -553,5 +590,5 @@ fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState, co
         path.count(scene, found, light, counters);
         sum += found;
     });
-    path.meet::<LAYERS>(sum);
+    path.meet::<LAYERS>(sum, &scene.kept);
 }

@@ -312,7 +312,7 @@ pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
         layers: options.layers,
         layer_noise: options.layer_noise,
         transparent: scene.transparent,
-        cross: scene.photons().is_some(),
+        cross: scene.second().is_some(),
     }
 }
 

@@ -14,6 +14,7 @@ fn help_teaches() {
         "convert",
         "compare",
         "check",
+        "cost",
         "golden",
         "golden record",
         "golden verify",

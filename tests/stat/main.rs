@@ -12,6 +12,7 @@ mod fast;
 mod golden;
 mod indirect;
 mod naive;
+mod price;
 mod report;
 mod second;
 mod textured;

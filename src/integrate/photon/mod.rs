@@ -34,7 +34,7 @@ pub(super) use map::{PhotonMap, Place, gathered};
 pub(super) use second::{Second, Seen};
 pub(super) use splat::Splat;
 pub(super) use trace::Photon;
-use trace::{Walk, Way};
+use trace::{Route, Walk};
 
 use std::ops::Range;
 
@@ -138,12 +138,12 @@ impl<'a> Tracer<'a> {
         let maps = self.maps_caustics();
         let share = 1.0 / self.counts[0] as f32;
         let Casting { lights, casts } = &self.photons.casting;
-        let walk = Walk { scene: self.scene, lights, casts, way: Way::Thrown };
+        let walk = Walk { scene: self.scene, lights, casts, route: Route::Thrown };
         for i in part {
             let address = Address::photon(self.scene.seed, PhotonUse::Caustics, pass, i);
             trace::walk(walk, &address, share, counters, |landing, counters| {
                 traced.splats.extend(splat::splat(self.scene, landing, &address, self.crop, counters));
-                if maps && !landing.spread_before {
+                if maps && landing.spread == 0 {
                     traced.photons.push(landing.photon);
                 }
             });
@@ -155,13 +155,13 @@ impl<'a> Tracer<'a> {
         let mut traced = Traced { layer: LightLayer::Indirect, photons: Vec::new(), splats: Vec::new() };
         let share = 1.0 / self.counts[1] as f32;
         let Photons { everywhere, casting, .. } = self.photons;
-        let walk = Walk { scene: self.scene, lights: everywhere, casts: &casting.casts, way: Way::Any };
+        let walk = Walk { scene: self.scene, lights: everywhere, casts: &casting.casts, route: Route::Any };
         for i in part {
             let address = Address::photon(self.scene.seed, PhotonUse::Indirect, pass, i);
             trace::walk(walk, &address, share, counters, |landing, _| {
                 // Direct light is sampled, and a caustic has a map of its own.
                 let photon = &landing.photon;
-                let other = self.maps_caustics() && photon.is_caustic() && !landing.spread_before;
+                let other = self.maps_caustics() && photon.is_caustic() && landing.spread == 0;
                 if photon.bounces > 0 && !other {
                     traced.photons.push(*photon);
                 }

@@ -14,7 +14,7 @@
 //! them.
 
 use super::splat::splat;
-use super::trace::{Walk, Way, walk};
+use super::trace::{Route, Walk, walk};
 use crate::film::{Film, Glimpse};
 use crate::integrate::li::Counters;
 use crate::prepare::{Photons, Prepared};
@@ -44,7 +44,7 @@ pub(in crate::integrate) struct Seen {
 impl<'a> Second<'a> {
     /// For a part of a picture (left, top, width, height); `None` where no light can be traced.
     pub(in crate::integrate) fn new(scene: &'a Prepared, crop: [u32; 4]) -> Option<Self> {
-        let photons = scene.photons()?;
+        let photons = scene.second()?;
         let count = (u64::from(crop[2]) * u64::from(crop[3])).div_ceil(PIXELS) as u32;
         Some(Self { scene, photons, crop, count })
     }
@@ -89,13 +89,13 @@ impl<'a> Second<'a> {
     /// and each is a sequence of its own.
     fn way(&self, index: u32) -> (Walk<'_>, u32, u32, f32) {
         let Photons { casting, everywhere, .. } = self.photons;
-        let walk = |lights, way| Walk { scene: self.scene, lights, casts: &casting.casts, way };
+        let walk = |lights, route| Walk { scene: self.scene, lights, casts: &casting.casts, route };
         if casting.lights.aim().targets().is_empty() {
-            return (walk(everywhere, Way::Any), 0, index, 1.0);
+            return (walk(everywhere, Route::Any), 0, index, 1.0);
         }
         match index % 2 {
-            0 => (walk(everywhere, Way::First { casts: false }), 0, index / 2, 2.0),
-            _ => (walk(&casting.lights, Way::First { casts: true }), 1, index / 2, 2.0),
+            0 => (walk(everywhere, Route::First { casts: false }), 0, index / 2, 2.0),
+            _ => (walk(&casting.lights, Route::First { casts: true }), 1, index / 2, 2.0),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::trace::{Landing, spread};
 use crate::accel::RayKind;
 use crate::color::Rgb;
 use crate::integrate::li::{Counters, FAR_CAP, interior, medium_beyond};
-use crate::prepare::Prepared;
+use crate::prepare::{Prepared, Way};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
@@ -63,6 +63,8 @@ pub(super) fn splat(
     if let Some(medium) = medium.absorbs {
         radiance *= interior(scene, medium, photon.inside);
     }
+    let way = || Way { events: photon.bounces + 1, spread: 1 + landing.spread, caustic: photon.is_caustic() };
+    let radiance = scene.kept.of(radiance, way);
     Some(Splat { pixel: y * width + x, radiance, class: usize::from(photon.class) })
 }
 

@@ -1,8 +1,9 @@
 //! Photons on their way: from a light to wherever a surface spreads light.
 //!
-//! In: an address. Out: each place where a photon lands on a surface that spreads light, and may be seen or gathered.
-//! Which ways it takes is a [`Way`]: photons that look for caustics land where the event before threw them, and where
-//! they are spread they have to be thrown again next, S+ (D S+)*; others take any way, (D|S)*.
+//! In: an address. Out: each place where a photon lands on a surface that spreads light, and may be seen or gathered. A
+//! photon is thrown by delta lobes, and by those of materials that have none but narrow ones. Which ways it takes is a
+//! [`Route`]: photons that look for caustics land where the event before threw them, and where they are spread they have
+//! to be thrown again next, S+ (D S+)*; others take any way, (D|S)*.
 //!
 //! What surfaces do is defined for light towards the camera. Let w be the direction towards the camera and wi
 //! that towards the light at one vertex. Normals that differ from the geometric one make radiance and flux
@@ -58,7 +59,7 @@ impl Photon {
 
 /// Which ways photons take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum Route {
     /// S+ (D S+)*: what throws light throws them first, and again after each time that they are spread.
     Thrown,
     /// (D|S)*, anywhere.
@@ -70,7 +71,7 @@ pub(super) enum Way {
     },
 }
 
-impl Way {
+impl Route {
     /// Whether a photon that has had so many events, the last of which threw it or did not, goes on from something
     /// that throws light or does not.
     fn allows(self, bounces: u32, thrown: bool, casts: bool) -> bool {
@@ -85,8 +86,8 @@ impl Way {
 /// A photon that lands, with what it lands on.
 pub(super) struct Landing<'a> {
     pub(super) photon: Photon,
-    /// Whether it was spread on its way.
-    pub(super) spread_before: bool,
+    /// How often it was spread on its way.
+    pub(super) spread: u32,
     pub(super) surface: Surface,
     pub(super) hit: Hit,
     pub(super) detail: Detail,
@@ -102,12 +103,12 @@ pub(super) struct Walk<'a> {
     pub(super) lights: &'a PhotonLights,
     /// For each material, whether it throws light.
     pub(super) casts: &'a [bool],
-    pub(super) way: Way,
+    pub(super) route: Route,
 }
 
 /// Follows one photon, whose power is `share` of that of the light; `landed` is called wherever it lands.
 pub(super) fn walk(
-    Walk { scene, lights, casts: casting, way }: Walk<'_>,
+    Walk { scene, lights, casts: casting, route }: Walk<'_>,
     address: &Address,
     share: f32,
     counters: &mut Counters,
@@ -125,9 +126,9 @@ pub(super) fn walk(
     }
     let (mut ray, mut from) = (start.ray, start.from);
     let (mut bounces, mut passed, mut inside) = (0u32, 0u32, 0.0f32);
-    // Whether the last event had no spread, whether one had, whether the first had none, and whether each that had
-    // followed one that had none.
-    let (mut thrown, mut spread_before, mut caustic, mut linked) = (false, false, false, true);
+    // Whether the last event threw it, how many spread it, whether the first threw it, and whether each that spread it
+    // followed one that threw it.
+    let (mut thrown, mut spread, mut caustic, mut linked) = (false, 0u32, false, true);
     // What the events so far have left, for roulette.
     let mut beta = Rgb::WHITE;
     loop {
@@ -149,22 +150,23 @@ pub(super) fn walk(
             continue;
         }
         let casts = casting[index as usize];
-        if power.is_black() || !way.allows(bounces, thrown, casts) {
+        if power.is_black() || !route.allows(bounces, thrown, casts) {
             return;
         }
         let wi = -ray.d;
         let class = light_class(light, caustic) as u8;
         let (p, ng) = (surface.p, surface.ng);
         let photon = Photon { p, wi, ng, power, inside, bounces, class, linked: linked && thrown };
-        let landing = Landing { photon, spread_before, surface, hit, detail, index, material };
-        let lands = (thrown || way != Way::Thrown) && spreads(material, &landing.detail);
+        let landing = Landing { photon, spread, surface, hit, detail, index, material };
+        let lands =
+            (thrown || route != Route::Thrown) && !material.narrow && spreads(material, &landing.detail);
         if lands {
             landed(&landing, counters);
         }
+        // Where indirect light is left out, what is spread here counts for nothing where it lands next.
+        let spreads_on = lands && !scene.kept.ends_after(1);
         // A path from the camera has these events, the next one, and one where the photon lands.
-        if !(casts || lands || way != Way::Thrown)
-            || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap)
-        {
+        if !(casts || spreads_on) || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
             return;
         }
         if bounces >= FAR_CAP {
@@ -173,11 +175,13 @@ pub(super) fn walk(
         }
 
         let u = address.block(bounces, Purpose::Bsdf, 0, 0);
-        let Some(next) = scatter(scene, &landing, lands, u) else { return };
+        let Some(next) = scatter(scene, &landing, spreads_on || material.narrow, u) else { return };
         let Scattered { w, weight, delta } = next;
-        linked &= delta || thrown;
-        (thrown, spread_before) = (delta, spread_before || !delta);
-        caustic |= delta && bounces == 0;
+        let throws = delta || material.narrow;
+        linked &= throws || thrown;
+        caustic |= throws && bounces == 0;
+        spread += u32::from(!throws);
+        thrown = throws;
         power *= weight;
         beta *= weight;
         if material.encloses && w.dot(surface.ng) * wi.dot(surface.ng) < 0.0 {
@@ -227,8 +231,8 @@ struct Scattered {
     delta: bool,
 }
 
-/// A direction of a delta lobe, or of any other one where the photon `lands`; `None` where it ends.
-fn scatter(scene: &Prepared, landing: &Landing<'_>, lands: bool, u: [f32; 4]) -> Option<Scattered> {
+/// A direction of a delta lobe, or of any other one where the photon `may_spread`; `None` where it ends.
+fn scatter(scene: &Prepared, landing: &Landing<'_>, may_spread: bool, u: [f32; 4]) -> Option<Scattered> {
     let Landing { photon, surface, detail, material, .. } = landing;
     let (wi, ng) = (photon.wi, surface.ng);
     let normals = Normals::new(scene, landing);
@@ -241,7 +245,7 @@ fn scatter(scene: &Prepared, landing: &Landing<'_>, lands: bool, u: [f32; 4]) ->
         let Some((w, sample)) = sample else { continue };
         if !sample.delta {
             // Any normal serves to sample a lobe with a density, but only one.
-            if lands && normals.chosen(wi) == i {
+            if may_spread && normals.chosen(wi) == i {
                 let value = spread(scene, landing, w);
                 let weight = value.map(|f| f * (w.dot(ng).abs() / sample.pdf)).filter(|x| x.is_finite());
                 found[i] = weight.map(|weight| Scattered { w, weight, delta: false });
