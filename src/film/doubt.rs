@@ -193,3 +193,90 @@ impl Film {
         worst.map(|(_, doubt)| doubt)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+    use crate::film::{FilmLayout, Glimpse, Sample, light_class};
+    use crate::math::mix64;
+
+    const SIDE: u32 = 32;
+
+    fn unit(i: u64) -> f64 {
+        (mix64(i + 1) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A picture of ones with some noise, whose paths found one lamp; and `photons`, of which one in four is seen, of a
+    /// class and within some columns, so that together they bring a luminance of `light` to those.
+    fn film(noise: f64, photons: u32, class: usize, columns: u32, light: f64) -> Film {
+        let layout = FilmLayout { cross: true, ..FilmLayout::plain([SIDE; 2]) };
+        let mut film = Film::new(layout);
+        for pass in 0..16 {
+            for pixel in 0..SIDE * SIDE {
+                let radiance = Rgb::grey((1.0 + noise * (unit(u64::from(pass << 16 | pixel)) - 0.5)) as f32);
+                film.add(pixel as usize, pass, &Sample { radiance, ..Sample::default() })
+                    .expect("a radiance");
+            }
+            for tile in 0..4 {
+                let mut found = [0.0; LIGHT_CLASSES];
+                found[0] = 256.0;
+                film.found(tile, &found);
+            }
+        }
+        // All light of the picture in one photon, as `Glimpse` has it.
+        let luminance = (4.0 * light * f64::from(columns * SIDE)) as f32;
+        let seen = |i: u32| Glimpse {
+            photon: i,
+            pixel: (i / 4 * 7919 % SIDE) * SIDE + i / 4 * 104_729 % columns,
+            class: class as u8,
+            luminance,
+        };
+        let seen: Vec<Glimpse> = (0..photons).step_by(4).map(seen).collect();
+        film.glimpses(photons, &seen);
+        film
+    }
+
+    fn doubt(film: &Film) -> Option<Doubt> {
+        film.error().expect("an estimate").doubt
+    }
+
+    /// Guards pictures that photons agree with, and photons that are too few to say anything.
+    #[test]
+    fn agreement_is_no_doubt() {
+        assert_eq!(doubt(&film(0.2, 40_000, 0, SIDE, 1.0)), None);
+        assert_eq!(doubt(&film(0.2, 40_000, 0, SIDE, 0.5)), None);
+        assert_eq!(doubt(&film(0.2, 40, 1, SIDE, 0.5)), None);
+    }
+
+    /// Guards what is said: how much at least, where, of which light.
+    #[test]
+    fn what_is_missing_is_said() {
+        let class = light_class(2, true);
+        match doubt(&film(0.2, 40_000, class, SIDE, 0.5)) {
+            Some(Doubt::LightNotFound { pixels, share, light: Some(2), caustic: true }) => {
+                assert_eq!(pixels, [0, 0, SIDE, SIDE]);
+                assert!((0.45..0.5).contains(&share), "{share}");
+            }
+            other => panic!("{other:?}"),
+        }
+        // In the left half alone.
+        match doubt(&film(0.2, 40_000, class, SIDE / 2, 0.5)) {
+            Some(Doubt::LightNotFound { pixels: [0, _, right, _], light: Some(2), .. }) => {
+                assert!(right <= SIDE, "{right}");
+            }
+            other => panic!("{other:?}"),
+        }
+        // More of what paths did find.
+        let found = doubt(&film(0.2, 40_000, 0, SIDE, 1.5));
+        assert!(matches!(found, Some(Doubt::LightNotFound { caustic: false, .. })), "{found:?}");
+    }
+
+    /// Guards that little is passed over where noise is large, and only there.
+    #[test]
+    fn what_does_not_matter_is_not_said() {
+        let class = light_class(1, false);
+        assert_eq!(doubt(&film(1.2, 400_000, class, SIDE, 0.01)), None);
+        assert!(doubt(&film(0.02, 400_000, class, SIDE, 0.01)).is_some());
+    }
+}
