@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::args::{AlgorithmArgs, ProgressArg, SceneArgs};
+use super::algorithm::AlgorithmArgs;
+use super::args::{ProgressArg, SceneArgs};
 use super::compare::unusable;
 use super::console::Console;
 use super::failure::Failure;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::Code;
+use super::adopt::{adopt, choices, flags};
 use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs, SlipArg};
 use super::compare::unusable;
 use super::console::Console;
@@ -13,6 +14,7 @@ use super::failure::Failure;
 use super::load::{self, Loaded};
 use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_line, report_path};
 use super::notes;
+use super::parts::Checkpoint;
 use super::progress::{Display, Watch};
 use super::saver::{Saved, Saver};
 use super::schema::{to_json, to_json_line};
@@ -25,8 +27,9 @@ use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
 use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tracer, rays_per_pixel};
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
-use crate::part::Identity;
-use crate::prepare::{self, EffectsMode, Plan, PrepareError, Prepared};
+use crate::part::{Identity, Part};
+use crate::pilot::{self, Asked};
+use crate::prepare::{self, Algorithms, EffectsMode, Plan, PrepareError, Prepared};
 use crate::price::Priced;
 use crate::report::Explanation;
 use crate::scene::{Camera, Note, NoteEffect, Scene, sha256};
@@ -120,6 +123,11 @@ pub(super) fn picture_size(scene: &Scene, camera: &Camera, asked: Option<[u32; 2
     asked.or(scene.settings.size).unwrap_or_else(from_aspect)
 }
 
+/// Samples per pixel where none are asked for: as the scene says, else 64.
+pub(super) fn default_samples(scene: &Scene) -> u32 {
+    scene.settings.spp.unwrap_or(64).clamp(1, MAX_SAMPLES)
+}
+
 /// A render as meant.
 pub(super) struct Job {
     scene_name: String,
@@ -128,6 +136,8 @@ pub(super) struct Job {
     camera: String,
     /// Samples per pixel, at most.
     pub(super) passes: u32,
+    /// Samples per pixel as a pilot has to know them: none for parts, and where something else ends the render.
+    samples: Option<u32>,
     /// The first pass.
     first: u32,
     error: Option<f64>,
@@ -196,10 +206,11 @@ impl Job {
                 max_depth: hints.max_depth,
                 shortcuts: prepare::Shortcuts::of(hints),
                 transparent: false,
-                algorithms: prepare::Algorithms::default(),
+                algorithms: Algorithms::default(),
             },
             camera: camera.name.clone(),
-            passes: hints.spp.unwrap_or(64).clamp(1, MAX_SAMPLES),
+            passes: default_samples(scene),
+            samples: Some(default_samples(scene)),
             first: 0,
             error: None,
             checkpoint: None,
@@ -234,6 +245,8 @@ impl Job {
             (None, true) => MAX_SAMPLES,
             (None, false) => job.passes,
         };
+        let unlimited = args.spp.is_none() && (args.time.is_some() || args.error.is_some());
+        job.samples = Some(job.passes).filter(|_| args.passes.is_none() && !unlimited);
         if let Some(passes) = &args.passes {
             (job.first, job.passes) = (passes.start, passes.end);
         }
@@ -247,6 +260,9 @@ impl Job {
         job.tone.curve = args.tone.map_or(job.tone.curve, Into::into);
         job.tone.exposure = args.exposure.unwrap_or(job.tone.exposure);
         job.method = args.method;
+        if job.method != Method::Default {
+            job.prepare.algorithms = Algorithms::PATHS;
+        }
         job.slips = args.as_printed.as_deref().map_or(Slips::NONE, SlipArg::slips);
         if job.method == Method::Report {
             job.passes = rays_per_pixel(job.passes);
@@ -324,8 +340,20 @@ impl Job {
         Ok(stopped.unwrap_or(if short { Code::Short } else { Code::Done }))
     }
 
-    fn prepared(&self, scene: &Scene) -> Result<Prepared, Failure> {
-        prepare::prepare(scene, &self.prepare).map_err(|e| match e {
+    /// The scene, prepared by the plan of what was saved of this render, or by one that is made for it.
+    fn prepared(&self, scene: &Scene, saved: Option<&Part>) -> Result<Prepared, Failure> {
+        let prepared = match saved {
+            Some(part) => {
+                let mut options = self.prepare.clone();
+                let plan = adopt(scene, &mut options, &part.identity);
+                plan.and_then(|plan| prepare::prepare_planned(scene, &options, plan))
+            }
+            None => {
+                let asked = Asked { samples: self.samples, error: self.error, threads: self.threads };
+                pilot::prepare(scene, &self.prepare, &asked)
+            }
+        };
+        prepared.map_err(|e| match e {
             PrepareError::NoCamera => Failure::load(format!("{}: {e}", self.scene_name)),
             _ => Failure::usage(e.to_string()),
         })
@@ -333,7 +361,7 @@ impl Job {
 
     /// Traces one sample alone.
     fn replay(&self, scene: &Scene, [x, y, pass]: [u32; 3], console: &Console) -> Result<Code, Failure> {
-        let prepared = self.prepared(scene)?;
+        let prepared = self.prepared(scene, None)?;
         let [width, height] = prepared.size;
         if x >= width || y >= height || pass >= MAX_SAMPLES {
             let most = MAX_SAMPLES - 1;
@@ -358,7 +386,9 @@ impl Job {
         console: &Console,
     ) -> Result<Option<(Rendered, f64)>, Failure> {
         let begin = Instant::now();
-        let prepared = self.prepared(scene)?;
+        let checkpoint = self.checkpoint.as_deref().map(Checkpoint::new);
+        let found = checkpoint.as_ref().map_or(Ok(None), Checkpoint::read)?;
+        let prepared = self.prepared(scene, found.as_ref().map(|f| &f.part))?;
         let Some(prices) = shortcuts::prices(scene, &self.prepare, self.threads, watch)? else {
             return Ok(None);
         };
@@ -389,9 +419,10 @@ impl Job {
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);
         let mut film = Film::new(integrate::layout(&prepared, &options));
         let mut saver = None;
-        if let Some(path) = &self.checkpoint {
+        if let Some(checkpoint) = checkpoint {
+            let every = self.checkpoint_every;
             let (opened, saved) =
-                Saver::open(path, &identity, screen, &options.passes, self.checkpoint_every, console)?;
+                Saver::open(checkpoint, found, &identity, screen, &options.passes, every, console)?;
             if let Some(part) = saved {
                 options.passes.start = part.passes.last().map_or(self.first, |r| r.end);
                 film = part.film;
@@ -516,7 +547,7 @@ impl Job {
             ("effects", effects),
         ];
         if self.method == Method::Default {
-            list.push(("caustics", plan.caustics.name().to_owned()));
+            list.extend(choices(plan));
         }
         if self.method != Method::Reference {
             list.push(("replications", plan.replications.to_string()));
@@ -618,7 +649,11 @@ impl Job {
         if rendered.stated.partial {
             console.message("note: not one sample of every pixel is done; the picture is partial");
         } else if self.first + all != self.passes {
-            console.message(&format!("--spp {all} repeats this picture"));
+            // With so many samples, or without an error, a pilot might choose otherwise.
+            let piloted = rendered.plan.choices.iter().any(|c| c.about == "pilot");
+            let other = piloted && (all < pilot::LEAST_SAMPLES || self.error.is_some());
+            let flags = if other { flags(&rendered.plan) } else { String::new() };
+            console.message(&format!("--spp {all}{flags} repeats this picture"));
         }
         if stopped.is_some() {
             console.message("stopped by a signal; what was done is saved");

@@ -17,7 +17,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
 use super::li::Counters;
-use super::photon::{Photon, PhotonMap, Splat, Tracer};
+use super::photon::{Photon, PhotonMap, Radius, Splat, Tracer};
 use super::render::{BadSample, Control, Outcome, Progress, RenderError, RenderOptions};
 use crate::film::{ErrorEstimate, Film, LightLayer, Refusal, Sample};
 
@@ -95,6 +95,7 @@ struct Job<'a> {
     samples: AtomicU64,
     rays: AtomicU64,
     capped: AtomicU64,
+    gathered: AtomicU64,
     layer_rays: [AtomicU64; LightLayer::ALL.len()],
     last_report: AtomicU64,
 }
@@ -162,6 +163,7 @@ pub(super) fn drive(
         samples: AtomicU64::new(0),
         rays: AtomicU64::new(0),
         capped: AtomicU64::new(0),
+        gathered: AtomicU64::new(0),
         layer_rays: std::array::from_fn(|_| AtomicU64::new(0)),
         last_report: AtomicU64::new(0),
     };
@@ -230,7 +232,7 @@ impl Job<'_> {
         });
         if !all.is_empty() && tracer.maps() {
             all.sort_by_key(|&(chunk, _)| chunk);
-            let map = tracer.map(pass, all.into_iter().map(|(_, photons)| photons).collect());
+            let map = tracer.map(Radius::of(pass), all.into_iter().map(|(_, photons)| photons).collect());
             lock(&self.maps).insert(pass, Arc::new(map));
             self.mapped.notify_all();
         }
@@ -252,6 +254,7 @@ impl Job<'_> {
     fn count(&self, counters: &Counters) {
         self.rays.fetch_add(counters.rays, Ordering::Relaxed);
         self.capped.fetch_add(counters.capped, Ordering::Relaxed);
+        self.gathered.fetch_add(counters.gathered, Ordering::Relaxed);
         if self.records_layers() {
             for (sum, n) in self.layer_rays.iter().zip(counters.layer_rays) {
                 sum.fetch_add(n, Ordering::Relaxed);
@@ -323,7 +326,12 @@ impl Job<'_> {
     fn counters(&self) -> Counters {
         let now = |n: &AtomicU64| n.load(Ordering::Relaxed);
         let layer_rays = std::array::from_fn(|i| now(&self.layer_rays[i]));
-        Counters { rays: now(&self.rays), capped: now(&self.capped), layer_rays }
+        Counters {
+            rays: now(&self.rays),
+            capped: now(&self.capped),
+            gathered: now(&self.gathered),
+            layer_rays,
+        }
     }
 
     fn commit(&self, state: &mut FilmState, pass: u32, pending: &Pending) {

@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
 use super::li::{Counters, first_surface};
-use super::photon::{PhotonMap, Tracer};
+use super::photon::{PhotonMap, Radius, Tracer};
 use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
@@ -214,7 +214,7 @@ impl Source for Planned<'_> {
 }
 
 /// A sample at a pixel of the whole picture.
-fn sample(
+pub(super) fn sample(
     scene: &Prepared,
     kernel: &Kernel,
     layers: bool,
@@ -265,7 +265,7 @@ pub fn replay(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Sample {
         let traced: Vec<_> = (0..tracer.chunks()).map(|chunk| tracer.trace(pass, chunk, counters)).collect();
         splats = traced.iter().flat_map(|t| t.splats.clone()).collect();
         let parts = || traced.into_iter().map(|t| t.photons).collect();
-        map = tracer.maps().then(|| tracer.map(pass, parts()));
+        map = tracer.maps().then(|| tracer.map(Radius::of(pass), parts()));
     }
     let mut sample = sample(scene, &kernel(&scene.plan), false, pixel, pass, map.as_ref(), counters);
     splats.iter().for_each(|s| sample.radiance += s.radiance);

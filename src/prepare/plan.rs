@@ -276,6 +276,12 @@ pub struct Plan {
     pub caustics: Caustics,
     /// What is left out or approximated on purpose.
     pub shortcuts: Vec<Shortcut>,
+    /// Samples of lights at the first vertex that spreads light, at least one.
+    pub light_samples: u32,
+    /// Branches of a path where the first thing that the camera sees is a mirror or clear glass, at least one.
+    pub split: u32,
+    /// Scattering events before roulette starts.
+    pub roulette: u32,
 }
 
 impl Plan {
@@ -290,6 +296,15 @@ impl Plan {
     pub fn kernel(&self) -> KernelSet {
         let exact = || KernelSet { name: "exact", simulates: self.effects() };
         KERNELS.get(self.kernel).copied().unwrap_or_else(exact)
+    }
+
+    /// Gives a decision another reason, or adds it.
+    pub fn explain(&mut self, about: &'static str, chosen: impl Into<String>, reason: impl Into<String>) {
+        let choice = Choice { about, chosen: chosen.into(), reason: reason.into() };
+        match self.choices.iter_mut().find(|c| c.about == about) {
+            Some(known) => *known = choice,
+            None => self.choices.push(choice),
+        }
     }
 
     /// The plan that simulates one effect less: the picture then lacks light that the scene calls for.

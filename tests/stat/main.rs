@@ -8,6 +8,7 @@ mod support;
 mod agree;
 mod bsdf;
 mod caustics;
+mod choices;
 mod fast;
 mod golden;
 mod naive;
