@@ -96,7 +96,7 @@ impl Own<'_> {
             seed: 0,
             effects,
             max_depth: scene.settings.max_depth,
-            shortcuts: Shortcuts::of(&scene.settings),
+            shortcuts: Shortcuts::default(),
             transparent: false,
             algorithms: Algorithms::default(),
         };

@@ -219,9 +219,6 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) algorithms: AlgorithmArgs,
 
-    #[command(flatten)]
-    pub(super) shortcuts: ShortcutArgs,
-
     /// How light is simulated
     #[arg(long, value_enum, default_value_t)]
     pub(super) method: Method,
@@ -254,6 +251,9 @@ pub(super) struct RenderArgs {
     /// Say more: all notes, the plan
     #[arg(short, long)]
     pub(super) verbose: bool,
+
+    #[command(flatten)]
+    pub(super) shortcuts: ShortcutArgs,
 }
 
 /// Most samples per pixel of one render.
@@ -283,16 +283,16 @@ pub(super) struct ExplainArgs {
     #[command(flatten)]
     pub(super) algorithms: AlgorithmArgs,
 
+    /// Print JSON (epsilux.explain/1)
+    #[arg(long)]
+    pub(super) json: bool,
+
     #[command(flatten)]
     pub(super) shortcuts: ShortcutArgs,
 
     /// Measure what each shortcut costs: small pictures are rendered with it and without it
     #[arg(long)]
     pub(super) price: bool,
-
-    /// Print JSON (epsilux.explain/1)
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 /// Say what a scene holds: triangles, spheres, lights, materials, bounds, area, notes

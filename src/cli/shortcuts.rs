@@ -4,9 +4,8 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::failure::Failure;
-use crate::bsdf::fresnel::Fresnel;
 use crate::integrate::{Control, RunError};
-use crate::prepare::{Omission, Options, Shortcut};
+use crate::prepare::{Fresnel, Omission, Options, Shortcut};
 use crate::price::{self, Better, Budget, Estimate, Price, Priced};
 use crate::scene::Scene;
 

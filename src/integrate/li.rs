@@ -68,10 +68,12 @@ struct PathState {
     radiance: Rgb,
     /// Which parts that consists of, where layers are asked for.
     layers: Layers,
-    /// Whether its first event had no spread: the camera looks into a mirror or through glass.
+    /// Whether its first event had no spread, or a narrow one: the camera looks into a mirror or through glass.
     through: bool,
-    /// How many of its events had a spread.
+    /// How many of its events had a spread, and not a narrow one.
     spread: u32,
+    /// Whether the last event had no spread, or a narrow one.
+    thrown: bool,
     /// Whether it is `E D (S+ D)*` so far, or nothing yet: the form of which photons reach the camera directly.
     linked: bool,
     /// Which caustics it leaves to photons.
@@ -130,15 +132,17 @@ impl PathState {
             layers: [Rgb::BLACK; LightLayer::ALL.len()],
             through: false,
             spread: 0,
+            thrown: false,
             linked: true,
             caustics: scene.plan.caustics,
         }
     }
 
-    /// Whether light that the path meets now is a caustic: its last event had no spread, an earlier one had.
+    /// Whether light that the path meets now is a caustic: its last event had no spread, or a narrow one; an earlier
+    /// one had.
     #[inline(always)]
     fn meets_caustic(&self) -> bool {
-        self.sampled.is_none() && self.spread > 0
+        self.thrown && self.spread > 0
     }
 
     /// The layer of light that the path meets now.
@@ -146,17 +150,18 @@ impl PathState {
     fn meets(&self) -> LightLayer {
         match (self.depth, &self.sampled) {
             (0, _) => LightLayer::Emitted,
-            (_, None) if self.spread > 0 => LightLayer::Caustic,
+            _ if self.meets_caustic() => LightLayer::Caustic,
             _ if self.through => LightLayer::Glass,
             (1, _) => LightLayer::Direct,
             _ => LightLayer::Indirect,
         }
     }
 
-    /// The layer of light that is sampled at the vertex where the path is now.
+    /// The layer of light that is sampled at the vertex where the path is now, on a material that may be `narrow`.
     #[inline(always)]
-    fn samples(&self) -> LightLayer {
+    fn samples(&self, narrow: bool) -> LightLayer {
         match self.depth {
+            _ if narrow && self.spread > 0 => LightLayer::Caustic,
             _ if self.through => LightLayer::Glass,
             0 => LightLayer::Direct,
             _ => LightLayer::Indirect,
@@ -177,14 +182,18 @@ impl PathState {
         }
     }
 
-    /// Adds light that was sampled at a vertex that has a spread.
+    /// Adds light that was sampled at a vertex that has a spread, on a material that may be `narrow`.
     #[inline(always)]
-    fn lit<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
-        let way = || Way { events: self.depth + 1, spread: self.spread + 1, caustic: false };
+    fn lit<const LAYERS: bool>(&mut self, narrow: bool, found: Rgb, kept: &Kept) {
+        let way = || Way {
+            events: self.depth + 1,
+            spread: self.spread + u32::from(!narrow),
+            caustic: narrow && self.spread > 0,
+        };
         let radiance = planted!(clamp(kept.of(found, way)));
         self.radiance += radiance;
         if LAYERS {
-            self.layers[self.samples() as usize] += radiance;
+            self.layers[self.samples(narrow) as usize] += radiance;
         }
     }
 
@@ -317,20 +326,23 @@ fn step<const FX: u32, const LAYERS: bool>(
         None if fx.has(Effect::Absorption) => medium_beyond(scene, path.medium, material, &context),
         None => path.medium,
     };
+    // What photons supply is not sampled here either.
+    let left = prepared.narrow && path.spread > 0 && path.caustics.by_photons(path.linked);
     // What would be spread once more counts for nothing where indirect light is left out.
-    let over = scene.kept.ends_after(path.spread);
-    if !bsdf.is_delta() && !over {
+    let over = !prepared.narrow && scene.kept.ends_after(path.spread);
+    if !bsdf.is_delta() && !left && !over {
         let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
         let before = counters.rays;
         let ld = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters);
         if LAYERS {
-            counters.layer_rays[path.samples() as usize] += counters.rays - before;
+            counters.layer_rays[path.samples(prepared.narrow) as usize] += counters.rays - before;
         }
-        path.lit::<LAYERS>(path.beta * ld, &scene.kept);
+        path.lit::<LAYERS>(prepared.narrow, path.beta * ld, &scene.kept);
         if let Some(map) = map
             && path.depth > 0
-            && !(path.linked && path.sampled.is_none())
+            && !prepared.narrow
+            && !(path.linked && path.thrown)
         {
             let place = (path.depth, path.spread > 0);
             let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
@@ -352,9 +364,11 @@ fn step<const FX: u32, const LAYERS: bool>(
     if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
         path.medium = beyond;
     }
-    path.linked &= if path.depth == 0 { !sample.delta } else { sample.delta || path.sampled.is_none() };
-    path.through |= path.depth == 0 && sample.delta;
-    path.spread += u32::from(!sample.delta);
+    let thrown = sample.delta || prepared.narrow;
+    path.linked &= if path.depth == 0 { !thrown } else { thrown || path.thrown };
+    path.through |= path.depth == 0 && thrown;
+    path.spread += u32::from(!thrown);
+    path.thrown = thrown;
     path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
     path.from = leaving;

@@ -4,7 +4,7 @@
 //! They are the same whatever kernel runs.
 
 use super::algorithm::Caustics;
-use super::casters::casts;
+use super::casters::{casts, throws};
 use super::fold::{Folded, has_surface};
 use super::lights::{self, effect_of};
 use super::material;
@@ -82,11 +82,11 @@ fn means(pixels: u64) -> Choice {
     Choice { about: "replications", chosen: k.to_string(), reason: reason.to_owned() }
 }
 
-/// Materials in use that send light on in a single direction: mirrors, clear glass, clear coats. What they
-/// focus is a caustic.
+/// Materials in use that send light on in a single direction or nearly so: mirrors, clear glass, clear coats, what is
+/// hardly rough. What they focus is a caustic.
 pub(super) fn casters(scene: &Scene, folded: &Folded<'_>) -> Vec<usize> {
     (0..scene.materials.len())
-        .filter(|&i| folded.uses[i].used && casts(scene, &folded.kinds[i]).is_some())
+        .filter(|&i| folded.uses[i].used && throws(scene, &folded.kinds[i]).is_some())
         .collect()
 }
 
@@ -107,7 +107,9 @@ pub(super) fn unseen(
     };
     let spreads = |i: &usize| folded.uses[*i].used && material::spreads(&folded.kinds[*i]);
     let mut lights = scene.lights.iter().filter(is_delta);
-    let (Some(light), Some(&caster)) = (lights.next(), casters.first()) else { return Vec::new() };
+    // At what is a little rough, lights are sampled.
+    let mut smooth = casters.iter().filter(|&&i| casts(scene, &folded.kinds[i]).is_some());
+    let (Some(light), Some(&caster)) = (lights.next(), smooth.next()) else { return Vec::new() };
     if !(0..scene.materials.len()).any(|i| spreads(&i)) {
         return Vec::new();
     }
@@ -121,7 +123,7 @@ pub(super) fn unseen(
         light.name,
         more(lights.count()),
         scene.materials[caster].name,
-        more(casters.len() - 1)
+        more(smooth.count())
     );
     vec![Unseen { what: "caustics", reason }]
 }

@@ -21,6 +21,10 @@ use crate::color::Rgb;
 use crate::math;
 use crate::scene::{self, Absorption, ImageId, MaterialKind, Pixels, Scene};
 
+/// GGX widths below this are narrow: a roughness below 0.32. Light that such a surface throws onto something
+/// else is a caustic, if photons look for it.
+pub(super) const NARROW_ALPHA: f32 = 0.1;
+
 /// A material as the integrator reads it.
 #[derive(Clone, Debug)]
 pub struct PreparedMaterial {
@@ -30,6 +34,9 @@ pub struct PreparedMaterial {
     pub interior: Option<Interior>,
     /// Whether light that is transmitted enters or leaves a volume; false for sheets.
     pub encloses: bool,
+    /// Whether it has lobes with a spread, and all of them are narrow: what it does counts as thrown, as what a lobe
+    /// does that has no spread.
+    pub(crate) narrow: bool,
     /// What the albedo feature shows, where nothing varies.
     pub albedo: Rgb,
     /// Whether any of the following is there.
@@ -176,6 +183,7 @@ impl<'a> Compiler<'a> {
             bsdf,
             interior: None,
             encloses: false,
+            narrow: false,
             albedo,
             detailed: false,
             varying: None,
@@ -213,6 +221,7 @@ impl<'a> Compiler<'a> {
                 PreparedMaterial {
                     interior: interior(kind),
                     encloses: !p.thin && p.transmission > 0.0,
+                    narrow: is_narrow(kind),
                     varying: varies.then(|| Box::new(Varying::new(p, self.scene, &mut self.tables))),
                     cutout: Cutout::new(p, self.scene).map(Box::new),
                     normal,
@@ -293,6 +302,21 @@ pub(super) fn spreads(kind: &MaterialKind) -> bool {
                 || !n.sheen_color.is_black()
         }
     }
+}
+
+/// Whether all lobes of a folded material are narrow, wherever it is looked at.
+pub(super) fn is_narrow(kind: &MaterialKind) -> bool {
+    let MaterialKind::Principled(p) = kind else { return false };
+    let (n, t) = (Numbers::from(&**p), &p.textures);
+    let narrow = |roughness: f32| roughness * roughness < NARROW_ALPHA;
+    let varies = [&t.metallic, &t.roughness, &t.transmission, &t.coat, &t.coat_roughness];
+    let opaque = n.metallic < 1.0 && n.transmission < 1.0;
+    !opaque
+        && narrow(n.roughness)
+        && (!has_coat(&n) || narrow(n.coat_roughness))
+        && n.sheen_color.is_black()
+        && t.sheen_color.is_none()
+        && varies.iter().all(|slot| slot.is_none())
 }
 
 /// Whether light may pass to the other side of a folded material.

@@ -32,6 +32,7 @@ mod surface;
 mod texture;
 mod varying;
 
+pub use crate::bsdf::fresnel::Fresnel;
 pub use algorithm::{Algorithms, Caustics, CausticsMode};
 pub use analyse::analyse;
 pub use camera::{CameraRays, Seen};

@@ -4,12 +4,12 @@
 //! None is taken by default. A picture lists those that were, and `price` measures what each of them costs: its
 //! bias, with a sign. A shortcut means the same whether paths or photons find the light.
 //!
-//! Ways of light are written as in [`LightLayer`](crate::film::LightLayer): S is an event without spread (a perfect
-//! mirror, clear glass, a clear coat), D any other.
+//! Ways of light are written as in [`LightLayer`](crate::film::LightLayer): S is an event without spread or a
+//! narrow one, D any other.
 
 use std::fmt;
 
-use super::casters::casts;
+use super::casters::throws;
 use super::fold::fold;
 use super::material::spreads;
 use super::plan::{Effect, Effects, Plan};
@@ -182,7 +182,7 @@ impl Shortcut {
                 "no surface spreads light"
             }
             Self::Without(Omission::Caustics) if !spread => "no surface spreads light",
-            Self::Without(Omission::Caustics) if !any(&|i| casts(scene, &folded.kinds[i]).is_some()) => {
+            Self::Without(Omission::Caustics) if !any(&|i| throws(scene, &folded.kinds[i]).is_some()) => {
                 "no surface is so smooth that it would focus light"
             }
             Self::Schlick
@@ -287,7 +287,7 @@ pub(crate) struct Kept {
 pub(crate) struct Way {
     /// Scattering events.
     pub(crate) events: u32,
-    /// Those with a spread.
+    /// Those with a spread, and not a narrow one.
     pub(crate) spread: u32,
     /// Whether it is a caustic: the event at the light's end has no spread, and another one has.
     pub(crate) caustic: bool,

@@ -73,7 +73,8 @@ pub struct Price {
     /// The same of each part of the light, relative to all light of the full picture; they add up to `bias`.
     pub layers: Vec<(LightLayer, Estimate)>,
     /// The root of the mean over pixels of (B - R)^2 / (R^2 + c^2), B being what the short picture converges to, R what
-    /// the full one does, and c a tenth of the mean of R: as the error of a picture, but of bias alone.
+    /// the full one does, in the denominator over blocks of 4x4 pixels, and c a tenth of the mean of R: as the error of a
+    /// picture, but of bias alone.
     pub error: Estimate,
     /// Rays of the short render over those of the full one, for as many samples.
     pub work: f64,
@@ -129,6 +130,7 @@ pub fn price(
 /// The runs of one render.
 struct Rendered {
     plan: Plan,
+    size: [u32; 2],
     runs: Vec<Run>,
     /// Rays of all runs.
     rays: u64,
@@ -176,7 +178,8 @@ impl Runs<'_> {
             rendered.runs.iter().map(|r| r.pixels.clone()).collect()
         };
         let work = short.rays as f64 / full.rays.max(1) as f64;
-        let paired = Paired::new(pixels(full), pixels(short), self.budget.passes, work);
+        let width = full.size[0] as usize;
+        let paired = Paired::new(pixels(full), pixels(short), width, self.budget.passes, work);
         let paired = paired.ok_or_else(|| "the picture is black".to_owned())?;
         let layer = |layer: LightLayer| {
             let means =
@@ -205,8 +208,13 @@ impl Runs<'_> {
             layers: true,
             ..RenderOptions::passes(0..self.budget.passes)
         };
-        let mut rendered =
-            Rendered { plan: prepared.plan.clone(), runs: Vec::new(), rays: 0, elapsed: Duration::ZERO };
+        let mut rendered = Rendered {
+            plan: prepared.plan.clone(),
+            size: options.size,
+            runs: Vec::new(),
+            rays: 0,
+            elapsed: Duration::ZERO,
+        };
         for run in 0..RUNS {
             prepared.seed = seed(options.seed, run);
             let outcome = integrate::render(&prepared, &how, self.control)?;

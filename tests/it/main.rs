@@ -19,4 +19,5 @@ mod parts;
 mod pruning;
 mod render;
 mod roundtrip;
+mod shortcuts;
 mod tidy;
