@@ -28,6 +28,7 @@ mod mutants;
 pub mod output;
 pub mod part;
 pub mod prepare;
+pub mod quote;
 mod rare;
 pub mod report;
 pub mod sampling;

@@ -12,10 +12,12 @@ mod image;
 mod layers;
 mod state;
 mod sums;
+mod tail;
 
-pub use error::ErrorEstimate;
+pub use error::{ErrorEstimate, Squares};
 pub use fixed::FixedPoint;
 pub use image::{Image, Layer};
 pub use layers::LightLayer;
 pub use state::StateError;
 pub use sums::{Features, Film, FilmLayout, Refusal, Sample};
+pub use tail::Tail;

@@ -1,5 +1,6 @@
 //! Exact sums per pixel and replication.
 
+use super::tail::Octaves;
 use super::{FixedPoint, Image, Layer, LightLayer};
 use crate::color::Rgb;
 use crate::mutants::planted;
@@ -111,6 +112,8 @@ pub struct Film {
     pub(super) hits: Vec<u32>,
     pub(super) features: Option<FeatureSums>,
     pub(super) layers: Option<LayerSums>,
+    /// Samples of the whole film by octave of luminance.
+    pub(super) octaves: Octaves,
     pub(super) refused: [u64; 3],
 }
 
@@ -131,6 +134,7 @@ impl Film {
             layers: layout
                 .layers
                 .then(|| LayerSums { sums: vec![[[0; 3]; LAYERS]; pixels], brightest: vec![0.0; pixels] }),
+            octaves: Octaves::new(),
             refused: [0; 3],
             layout,
         }
@@ -163,6 +167,7 @@ impl Film {
         let cell = self.accumulate(pixel, pass, c)?;
         let format = self.layout.radiance;
         self.counts[cell] += 1;
+        self.octaves.add(sample.radiance.luminance(), 1, format);
         if let Some(sums) = &mut self.layers {
             for (sum, part) in sums.sums[pixel].iter_mut().zip(sample.layers.unwrap_or_default()) {
                 for (sum, v) in sum.iter_mut().zip(part.to_array()) {
@@ -209,6 +214,7 @@ impl Film {
         let c = radiance.to_array();
         self.accumulate(pixel, pass, c)?;
         let format = self.layout.radiance;
+        self.octaves.add(radiance.luminance(), 0, format);
         if let Some(sums) = &mut self.layers {
             for (sum, v) in sums.sums[pixel][layer as usize].iter_mut().zip(c) {
                 *sum += format.encode(v);
@@ -278,6 +284,7 @@ impl Film {
                 *brightest = brightest.max(other);
             }
         }
+        self.octaves.merge(&other.octaves);
         for (n, other) in self.refused.iter_mut().zip(other.refused) {
             *n += other;
         }

@@ -29,6 +29,9 @@ pub struct RenderOptions {
     pub threads: usize,
     /// Left, top, width and height of the part to render, pixels of the whole picture.
     pub crop: Option<[u32; 4]>,
+    /// Renders one pixel of so many, spread over the picture, and leaves the others empty: to learn about a picture
+    /// from a part of it. 1 is all of them.
+    pub every: u32,
     /// Whether to record features of the first surface (albedo, normal, depth, position, ids).
     pub features: bool,
     /// Whether to record the parts of the light ([`LightLayer`](crate::film::LightLayer)) and each pixel's
@@ -40,7 +43,7 @@ impl RenderOptions {
     /// Some passes of the whole picture on all cores, and nothing else.
     #[must_use]
     pub fn passes(passes: Range<u32>) -> Self {
-        Self { passes, time: None, error: None, threads: 0, crop: None, features: false, layers: false }
+        Self { passes, time: None, error: None, threads: 0, crop: None, every: 1, features: false, layers: false }
     }
 }
 
@@ -114,6 +117,17 @@ pub struct BadSample {
     pub reason: Refusal,
 }
 
+/// What threads were busy with, in seconds of one thread.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Busy {
+    /// Tracing photons, and making maps of them.
+    pub photons: Duration,
+    /// Tracing paths.
+    pub tiles: Duration,
+    /// Adding to the film.
+    pub film: Duration,
+}
+
 /// What a render gave.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -133,6 +147,8 @@ pub struct Outcome {
     pub bad: Vec<BadSample>,
     /// Wall-clock time.
     pub elapsed: Duration,
+    /// What the threads did meanwhile.
+    pub busy: Busy,
     /// Threads that worked.
     pub threads: usize,
 }
