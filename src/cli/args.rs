@@ -53,6 +53,7 @@ pub(super) enum Command {
     Convert(ConvertArgs),
     Compare(CompareArgs),
     Merge(MergeArgs),
+    Quote(super::quote::QuoteArgs),
     Check(CheckArgs),
     Golden(super::golden::GoldenArgs),
     Demo(DemoArgs),

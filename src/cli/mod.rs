@@ -12,6 +12,7 @@ mod convert;
 mod demo;
 mod explain;
 mod failure;
+mod forecast;
 mod golden;
 mod info;
 mod load;
@@ -20,6 +21,7 @@ mod merge;
 mod notes;
 mod parts;
 mod progress;
+mod quote;
 mod render;
 mod saver;
 mod schema;
@@ -86,6 +88,7 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Convert(args) => convert::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),
         Command::Merge(args) => merge::run(&args, console),
+        Command::Quote(args) => quote::run(&args, console),
         Command::Check(args) => check::run(&args, console),
         Command::Golden(args) => golden::run(&args, console),
         Command::Demo(args) => demo::run(&args, arguments, console),

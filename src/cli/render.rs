@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Code;
@@ -10,6 +11,7 @@ use super::compare::unusable;
 use super::console::Console;
 use super::explain::{self, Record};
 use super::failure::Failure;
+use super::forecast::{Forecaster, Quoted};
 use super::load::{self, Loaded};
 use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_line, report_path};
 use super::notes;
@@ -119,7 +121,7 @@ pub(super) fn picture_size(scene: &Scene, camera: &Camera, asked: Option<[u32; 2
 pub(super) struct Job {
     scene_name: String,
     pub(super) outputs: Vec<PathBuf>,
-    prepare: prepare::Options,
+    pub(super) prepare: prepare::Options,
     camera: String,
     /// Samples per pixel, at most.
     pub(super) passes: u32,
@@ -154,6 +156,8 @@ struct Rendered {
     counters: Option<Counters>,
     refused: u64,
     bad: Vec<BadSample>,
+    /// What was foreseen of it.
+    quoted: Option<Quoted>,
 }
 
 impl Rendered {
@@ -169,6 +173,7 @@ impl Rendered {
             counters: Some(outcome.counters),
             refused: outcome.film.refused_total(),
             bad: outcome.bad,
+            quoted: None,
         }
     }
 }
@@ -263,7 +268,12 @@ impl Job {
         if !self.quiet {
             notes::show(&notes, self.verbose, console);
         }
-        let watch = Watch { display: Display::new(self.progress, self.quiet, console), stop: Stop::listen() };
+        let watch = Watch {
+            display: Display::new(self.progress, self.quiet, console),
+            stop: Stop::listen(),
+            forecaster: self.error.map(Forecaster::new),
+            before: AtomicU32::new(0),
+        };
         let rendering = Instant::now();
         let hash = sha256(&scene);
         let (mut rendered, prepare) = match self.method {
@@ -273,6 +283,7 @@ impl Job {
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
+        rendered.quoted = watch.forecaster.as_ref().and_then(Forecaster::quoted);
         rendered.image.attributes = rendered.stated.attributes(&self.identity(&rendered.plan, &hash)?);
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
@@ -349,6 +360,7 @@ impl Job {
             every: 1,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
+            layer_noise: false,
         };
         let identity = self.identity(&prepared.plan, hash)?;
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);
@@ -359,6 +371,7 @@ impl Job {
                 Saver::open(path, &identity, screen, &options.passes, self.checkpoint_every, console)?;
             if let Some(part) = saved {
                 options.passes.start = part.passes.last().map_or(self.first, |r| r.end);
+                watch.before.store(options.passes.start, Ordering::Relaxed);
                 film = part.film;
             }
             saver = Some(opened);
@@ -462,6 +475,7 @@ impl Job {
             counters: None,
             refused: 0,
             bad: Vec::new(),
+            quoted: None,
         })
     }
 
@@ -528,6 +542,7 @@ impl Job {
             passes: rendered.stated.passes.first().map_or([0, 0], |r| [r.start, r.end]),
             partial: rendered.stated.partial,
             error: rendered.stated.error.map(ErrorJson::from),
+            quoted: rendered.quoted,
             stopped_by_signal,
             seconds,
             threads: rendered.threads,
@@ -572,6 +587,9 @@ impl Job {
                 line += &format!("; {} was asked for", show_share(target));
             }
             console.message(&line);
+        }
+        if let Some(quoted) = rendered.quoted.filter(|_| rendered.reached) {
+            console.message(&quoted.beside(seconds.render));
         }
         if rendered.stated.partial {
             console.message("note: not one sample of every pixel is done; the picture is partial");

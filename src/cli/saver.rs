@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::parts::{Checkpoint, Found};
 use super::progress::Watch;
 use super::units::show_passes;
-use crate::film::Film;
+use crate::film::{Film, Squares};
 use crate::integrate::{Control, Counters, Outcome, Progress};
 use crate::part::{Identity, Part};
 
@@ -58,7 +58,7 @@ impl<'a> Saver<'a> {
                         (show_passes(&part.passes), show_passes(std::slice::from_ref(passes)));
                     return Err(usage(format!("it holds passes {held}, and {asked} were asked for")));
                 }
-                before = Counters { rays: part.rays, capped: part.capped };
+                before = Counters { rays: part.rays, capped: part.capped, ..Counters::default() };
                 Some(part)
             }
         };
@@ -96,6 +96,10 @@ pub(super) struct Saved<'a> {
 impl Control for Saved<'_> {
     fn progress(&self, progress: &Progress) {
         self.watch.progress(progress);
+    }
+
+    fn looked(&self, passes: u32, squares: &Squares) {
+        self.watch.looked(passes, squares);
     }
 
     fn committed(&self, film: &Film, passes: Range<u32>, counters: Counters) {

@@ -31,7 +31,7 @@ const SPREAD: f64 = 1.75;
 /// The two-sided 95 % quantile of the normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
 /// Share of the mean luminance that is added to what errors are divided by: c above.
-const FLOOR: f64 = 0.1;
+pub(super) const FLOOR: f64 = 0.1;
 /// Below as many pixels that carry the error, the sum over them is not normal enough for its interval.
 const FEWEST: f64 = 60.0;
 /// What the delta method leaves of the relative bias of E^2, times E^2: at most, in simulations of uniform,
@@ -101,11 +101,17 @@ impl Film {
     /// replications with samples in some pixel that has any, or nothing but black.
     #[must_use]
     pub fn error(&self) -> Option<ErrorEstimate> {
-        let mut found = self.error_squares()?.estimate();
+        Some(self.error_of(&self.error_squares()?))
+    }
+
+    /// The same from squares of this film.
+    #[must_use]
+    pub fn error_of(&self, squares: &Squares) -> ErrorEstimate {
+        let mut found = squares.estimate();
         if !found.trusted {
             found.tail = self.tail();
         }
-        Some(found)
+        found
     }
 
     /// What each pixel adds to the square of the error; `None` as for [`Self::error`].

@@ -34,6 +34,7 @@ impl Film {
         let mut sums: Vec<&[i128]> = vec![self.sums.as_flattened()];
         sums.extend(self.features.iter().map(|f| f.sums.as_flattened()));
         sums.extend(self.layers.iter().map(|l| l.sums.as_flattened().as_flattened()));
+        sums.extend(self.layer_cells.iter().map(|l| l.as_flattened()));
         let width = sums.iter().flat_map(|s| s.iter()).fold(1, |w, &v| bytes_of(v).max(w));
         let mut bytes = vec![width as u8];
         for sum in sums.into_iter().flatten() {
@@ -67,7 +68,8 @@ impl Film {
         let features = usize::from(layout.features);
         let layers = usize::from(layout.layers);
         let of_pixel = COUNT + features * (FEATURES * width + IDS) + layers * (3 * LAYERS * width + COUNT);
-        let expected = 1 + cells * (3 * width + COUNT) as u128 + pixels * of_pixel as u128
+        let of_cell = (3 + usize::from(layout.layer_noise) * LAYERS) * width + COUNT;
+        let expected = 1 + cells * of_cell as u128 + pixels * of_pixel as u128
             + (Octaves::BYTES + REFUSED) as u128;
         if expected != bytes.len() as u128 {
             return Err(StateError::Length { found: bytes.len(), expected });
@@ -84,6 +86,7 @@ impl Film {
         film.sums.iter_mut().flatten().for_each(|s| *s = sum());
         film.features.iter_mut().flat_map(|f| &mut f.sums).flatten().for_each(|s| *s = sum());
         film.layers.iter_mut().flat_map(|l| &mut l.sums).flatten().flatten().for_each(|s| *s = sum());
+        film.layer_cells.iter_mut().flatten().flatten().for_each(|s| *s = sum());
         let mut number = || u32::from_le_bytes(take(4).try_into().unwrap_or_default());
         film.counts.iter_mut().chain(&mut film.hits).for_each(|n| *n = number());
         film.features.iter_mut().flat_map(|f| &mut f.ids).for_each(|i| *i = (number(), [number(), number()]));
@@ -132,7 +135,8 @@ mod tests {
     #[test]
     fn films_come_back() {
         for [features, layers] in [[false, false], [true, false], [false, true], [true, true]] {
-            let layout = FilmLayout { features, layers, ..FilmLayout::plain([3, 2]) };
+            let layer_noise = features != layers;
+            let layout = FilmLayout { features, layers, layer_noise, ..FilmLayout::plain([3, 2]) };
             let mut film = Film::new(layout.clone());
             for pass in 0..9 {
                 for pixel in 0..6 {

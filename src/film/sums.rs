@@ -22,6 +22,8 @@ pub struct FilmLayout {
     pub features: bool,
     /// Whether to record the parts of the light ([`LightLayer`]) and each pixel's brightest sample.
     pub layers: bool,
+    /// Whether to record the parts of the light in each replication, so that their noise is known.
+    pub layer_noise: bool,
     /// Whether the background counts as transparent.
     pub transparent: bool,
 }
@@ -38,6 +40,7 @@ impl FilmLayout {
             length: FixedPoint::around(1.0),
             features: false,
             layers: false,
+            layer_noise: false,
             transparent: false,
         }
     }
@@ -112,6 +115,8 @@ pub struct Film {
     pub(super) hits: Vec<u32>,
     pub(super) features: Option<FeatureSums>,
     pub(super) layers: Option<LayerSums>,
+    /// Luminance of the parts of the light, per cell, where their noise is asked for.
+    pub(super) layer_cells: Option<Vec<[i128; LAYERS]>>,
     /// Samples of the whole film by octave of luminance.
     pub(super) octaves: Octaves,
     pub(super) refused: [u64; 3],
@@ -134,6 +139,7 @@ impl Film {
             layers: layout
                 .layers
                 .then(|| LayerSums { sums: vec![[[0; 3]; LAYERS]; pixels], brightest: vec![0.0; pixels] }),
+            layer_cells: layout.layer_noise.then(|| vec![[0; LAYERS]; cells]),
             octaves: Octaves::new(),
             refused: [0; 3],
             layout,
@@ -177,6 +183,11 @@ impl Film {
             let brightest = &mut sums.brightest[pixel];
             *brightest = brightest.max(sample.radiance.luminance());
         }
+        if let Some(cells) = &mut self.layer_cells {
+            for (sum, part) in cells[cell].iter_mut().zip(sample.layers.unwrap_or_default()) {
+                *sum += format.encode(part.luminance());
+            }
+        }
         let Some(f) = &sample.features else {
             return Ok(());
         };
@@ -212,13 +223,16 @@ impl Film {
         layer: LightLayer,
     ) -> Result<(), Refusal> {
         let c = radiance.to_array();
-        self.accumulate(pixel, pass, c)?;
+        let cell = self.accumulate(pixel, pass, c)?;
         let format = self.layout.radiance;
         self.octaves.add(radiance.luminance(), 0, format);
         if let Some(sums) = &mut self.layers {
             for (sum, v) in sums.sums[pixel][layer as usize].iter_mut().zip(c) {
                 *sum += format.encode(v);
             }
+        }
+        if let Some(cells) = &mut self.layer_cells {
+            cells[cell][layer as usize] += format.encode(radiance.luminance());
         }
         Ok(())
     }
@@ -283,6 +297,9 @@ impl Film {
             for (brightest, &other) in own.brightest.iter_mut().zip(&other.brightest) {
                 *brightest = brightest.max(other);
             }
+        }
+        if let (Some(own), Some(other)) = (&mut self.layer_cells, &other.layer_cells) {
+            add(own, other);
         }
         self.octaves.merge(&other.octaves);
         for (n, other) in self.refused.iter_mut().zip(other.refused) {
@@ -437,7 +454,7 @@ mod tests {
     /// Guards that the parts of a render, merged, are the render, with layers and features too.
     #[test]
     fn merged_films_are_one_film() {
-        let recording = FilmLayout { features: true, layers: true, ..layout(4) };
+        let recording = FilmLayout { features: true, layers: true, layer_noise: true, ..layout(4) };
         let full = |i: u32| {
             let radiance = Rgb::new(0.3, 0.1 * i as f32, 7.0 / (1.0 + i as f32));
             let layers = [radiance * 0.25, radiance * 0.5, Rgb::BLACK, radiance * 0.25, Rgb::BLACK];

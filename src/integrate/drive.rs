@@ -99,6 +99,7 @@ struct Job<'a> {
     samples: AtomicU64,
     rays: AtomicU64,
     capped: AtomicU64,
+    layer_rays: [AtomicU64; LightLayer::ALL.len()],
     last_report: AtomicU64,
 }
 
@@ -167,6 +168,7 @@ pub(super) fn drive(
         samples: AtomicU64::new(0),
         rays: AtomicU64::new(0),
         capped: AtomicU64::new(0),
+        layer_rays: std::array::from_fn(|_| AtomicU64::new(0)),
         last_report: AtomicU64::new(0),
     };
     pool.broadcast(|_| job.work());
@@ -205,6 +207,10 @@ impl Job<'_> {
         }
     }
 
+    fn records_layers(&self) -> bool {
+        self.options.layers || self.options.layer_noise
+    }
+
     fn tile_count(&self) -> usize {
         self.tiles[0] as usize * self.tiles[1] as usize
     }
@@ -220,6 +226,7 @@ impl Job<'_> {
         let begin = Instant::now();
         let mut counters = Counters::default();
         let traced = tracer.trace(pass, chunk, &mut counters);
+        counters.layer_rays[LightLayer::Caustic as usize] = counters.rays;
         self.count(&counters);
         let mut all = Vec::new();
         self.deliver(pass, |pending| {
@@ -255,6 +262,11 @@ impl Job<'_> {
     fn count(&self, counters: &Counters) {
         self.rays.fetch_add(counters.rays, Ordering::Relaxed);
         self.capped.fetch_add(counters.capped, Ordering::Relaxed);
+        if self.records_layers() {
+            for (sum, n) in self.layer_rays.iter().zip(counters.layer_rays) {
+                sum.fetch_add(n, Ordering::Relaxed);
+            }
+        }
     }
 
     /// Left, top, width and height of a tile, within the crop.
@@ -320,8 +332,10 @@ impl Job<'_> {
             self.control.committed(&state.film, start..done, self.counters());
             let Some(target) = self.options.error else { continue };
             if is_looked_at(done)
-                && let Some(found) = state.film.error()
+                && let Some(squares) = state.film.error_squares()
             {
+                self.control.looked(done, &squares);
+                let found = state.film.error_of(&squares);
                 state.error = Some((found, done));
                 state.reached = found.trusted && found.error <= target;
             }
@@ -332,7 +346,9 @@ impl Job<'_> {
     }
 
     fn counters(&self) -> Counters {
-        Counters { rays: self.rays.load(Ordering::Relaxed), capped: self.capped.load(Ordering::Relaxed) }
+        let now = |n: &AtomicU64| n.load(Ordering::Relaxed);
+        let layer_rays = std::array::from_fn(|i| now(&self.layer_rays[i]));
+        Counters { rays: now(&self.rays), capped: now(&self.capped), layer_rays }
     }
 
     fn commit(&self, state: &mut FilmState, pass: u32, pending: &Pending) {

@@ -37,6 +37,9 @@ pub struct Counters {
     pub rays: u64,
     /// Paths cut by the far safety cap.
     pub capped: u64,
+    /// Rays by the [`LightLayer`] of the light that they look for, where layers are recorded: a shadow ray by that
+    /// of its light, any other by that of a light at its end, those of photons by that of caustics.
+    pub layer_rays: [u64; LightLayer::ALL.len()],
 }
 
 /// The parts of a radiance, by number of their [`LightLayer`].
@@ -136,6 +139,28 @@ impl PathState {
         self.sampled.is_none() && self.spread > 0
     }
 
+    /// The layer of light that the path meets now.
+    #[inline(always)]
+    fn meets(&self) -> LightLayer {
+        match (self.depth, &self.sampled) {
+            (0, _) => LightLayer::Emitted,
+            (_, None) if self.spread > 0 => LightLayer::Caustic,
+            _ if self.through => LightLayer::Glass,
+            (1, _) => LightLayer::Direct,
+            _ => LightLayer::Indirect,
+        }
+    }
+
+    /// The layer of light that is sampled at the vertex where the path is now.
+    #[inline(always)]
+    fn samples(&self) -> LightLayer {
+        match self.depth {
+            _ if self.through => LightLayer::Glass,
+            0 => LightLayer::Direct,
+            _ => LightLayer::Indirect,
+        }
+    }
+
     /// Adds light that the path met on its way, unless photons supply it.
     #[inline(always)]
     fn meet<const LAYERS: bool>(&mut self, found: Rgb) {
@@ -145,14 +170,7 @@ impl PathState {
         let radiance = planted!(clamp(found));
         self.radiance += radiance;
         if LAYERS {
-            let layer = match (self.depth, &self.sampled) {
-                (0, _) => LightLayer::Emitted,
-                (_, None) if self.spread > 0 => LightLayer::Caustic,
-                _ if self.through => LightLayer::Glass,
-                (1, _) => LightLayer::Direct,
-                _ => LightLayer::Indirect,
-            };
-            self.layers[layer as usize] += radiance;
+            self.layers[self.meets() as usize] += radiance;
         }
     }
 
@@ -162,12 +180,7 @@ impl PathState {
         let radiance = planted!(clamp(found));
         self.radiance += radiance;
         if LAYERS {
-            let layer = match self.depth {
-                _ if self.through => LightLayer::Glass,
-                0 => LightLayer::Direct,
-                _ => LightLayer::Indirect,
-            };
-            self.layers[layer as usize] += radiance;
+            self.layers[self.samples() as usize] += radiance;
         }
     }
 
@@ -194,6 +207,9 @@ fn step<const FX: u32, const LAYERS: bool>(
     let fx = scene.simulated::<FX>();
     let kind = if path.depth == 0 { RayKind::Camera } else { RayKind::Other };
     counters.rays += 1;
+    if LAYERS {
+        counters.layer_rays[path.meets() as usize] += 1;
+    }
     let hit = scene.accel.closest_between(&path.ray, path.from, kind);
     let t = hit.map_or(f32::INFINITY, |h| h.t);
 
@@ -297,7 +313,11 @@ fn step<const FX: u32, const LAYERS: bool>(
     if !bsdf.is_delta() {
         let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
+        let before = counters.rays;
         let ld = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters);
+        if LAYERS {
+            counters.layer_rays[path.samples() as usize] += counters.rays - before;
+        }
         path.lit::<LAYERS>(path.beta * ld);
         if let Some(map) = map
             && path.depth > 0

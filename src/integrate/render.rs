@@ -10,7 +10,7 @@ use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
 use super::li::{Counters, first_surface};
 use super::photon::{PhotonMap, Tracer};
-use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample};
+use crate::film::{ErrorEstimate, Features, Squares, Film, FilmLayout, Refusal, Sample};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
@@ -37,13 +37,26 @@ pub struct RenderOptions {
     /// Whether to record the parts of the light ([`LightLayer`](crate::film::LightLayer)) and each pixel's
     /// brightest sample.
     pub layers: bool,
+    /// Whether to record the noise of each of these parts ([`Film::layer_shares`]), and the rays that look for it
+    /// ([`Counters::layer_rays`](super::Counters)).
+    pub layer_noise: bool,
 }
 
 impl RenderOptions {
     /// Some passes of the whole picture on all cores, and nothing else.
     #[must_use]
     pub fn passes(passes: Range<u32>) -> Self {
-        Self { passes, time: None, error: None, threads: 0, crop: None, every: 1, features: false, layers: false }
+        Self {
+            passes,
+            time: None,
+            error: None,
+            threads: 0,
+            crop: None,
+            every: 1,
+            features: false,
+            layers: false,
+            layer_noise: false,
+        }
     }
 }
 
@@ -94,6 +107,9 @@ pub trait Control: Sync {
     /// Called with the film each time that a whole pass has been added, in order: the passes that this render has
     /// added so far, and what it took. Work waits meanwhile.
     fn committed(&self, _film: &Film, _passes: Range<u32>, _counters: Counters) {}
+    /// Called after the passes at which the error is looked at, where one is asked for, with what the pixels add to it.
+    /// Work waits meanwhile.
+    fn looked(&self, _passes: u32, _squares: &Squares) {}
     /// Asked often; true ends the render soon.
     fn cancelled(&self) -> bool {
         false
@@ -301,6 +317,7 @@ pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
         length: scene.length_format,
         features: options.features,
         layers: options.layers,
+        layer_noise: options.layer_noise,
         transparent: scene.transparent,
     }
 }
@@ -321,7 +338,7 @@ pub fn render_onto(
         return Err(RenderError::Film);
     }
     let features = options.features || scene.transparent;
-    let (layers, tracer) = (options.layers, Tracer::new(scene, layout.crop));
+    let (layers, tracer) = (options.layers || options.layer_noise, Tracer::new(scene, layout.crop));
     let source = Planned { scene, kernel: kernel(&scene.plan), tracer, features, layers };
     drive(&source, film, options, control)
 }

@@ -649,6 +649,7 @@ impl Tracer {
             length: FixedPoint::around(1.0),
             features: false,
             layers: false,
+            layer_noise: false,
             transparent: false,
         };
         let passes = RenderOptions {

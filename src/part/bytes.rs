@@ -38,6 +38,8 @@ struct Body {
     length: u32,
     features: bool,
     layers: bool,
+    #[serde(default)]
+    layer_noise: bool,
     transparent: bool,
 }
 
@@ -60,6 +62,7 @@ impl Part {
             length: layout.length.scale().to_bits(),
             features: layout.features,
             layers: layout.layers,
+            layer_noise: layout.layer_noise,
             transparent: layout.transparent,
         };
         // Strings, numbers and lists of them: nothing that JSON could not hold.
@@ -99,6 +102,7 @@ impl Part {
             length: FixedPoint::around(f32::from_bits(body.length)),
             features: body.features,
             layers: body.layers,
+            layer_noise: body.layer_noise,
             transparent: body.transparent,
         };
         let [x, y, width, height] = layout.crop;

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use super::curve::{Curve, Forecast};
-use crate::film::{ErrorEstimate, Film};
+use crate::film::{ErrorEstimate, Film, LayerShare, LightLayer};
 use crate::integrate::{
     Busy, Control, Counters, RenderError, RenderOptions, is_looked_at, layout, render_onto,
 };
@@ -18,6 +18,10 @@ const PIXELS: u64 = 4096;
 const RAYS: u64 = 6_000_000;
 /// Passes of a pilot: at least what a curve needs, at most what any error above a thousandth does.
 const PASSES: Range<u32> = 16..4096;
+/// The part of the passes that is rendered again for the shares of effects.
+const PARTS: u32 = 4;
+/// What a pass may take more or less later on, relative: 95 % of what was seen on a machine with nothing else to do.
+const CLOCK: f64 = 0.08;
 /// Passes that say how many rays one takes.
 const FIRST: u32 = 4;
 
@@ -32,30 +36,70 @@ pub struct Pilot {
     pub every: u32,
     /// Samples of each of these.
     pub passes: u32,
+    /// Rays, photons' included.
+    pub rays: u64,
     /// Wall-clock time.
     pub elapsed: Duration,
     /// Seconds that a pass of the whole picture takes on the same threads.
     pub pass_seconds: f64,
     /// Threads that worked.
     pub threads: usize,
-    /// The sums of the pixels that were rendered.
-    pub film: Film,
-    /// Rays, photons' included, and paths that were cut.
-    pub counters: Counters,
+    /// What the parts of the light are of picture, noise and work, the noisiest first; empty where nothing was seen.
+    pub parts: Vec<EffectShare>,
+}
+
+/// A part of the light: its share of the picture, of its noise and of the work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectShare {
+    /// The part.
+    pub layer: LightLayer,
+    /// Of the luminance, [0, 1].
+    pub light: f64,
+    /// Of E^2, about [0, 1].
+    pub noise: f64,
+    /// Of the rays, which the time goes into, [0, 1].
+    pub rays: f64,
+}
+
+/// What an error costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quote {
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Lower and upper end of their 95 % interval.
+    pub samples_interval: [u32; 2],
+    /// Wall-clock time of rendering them.
+    pub seconds: f64,
+    /// Lower and upper end of its interval.
+    pub seconds_interval: [f64; 2],
 }
 
 impl Pilot {
-    /// Samples for an error, where the pilot's own can be trusted.
+    /// Whether the error of the pilot can be trusted, and so what is foreseen from it.
     #[must_use]
-    pub fn forecast(&self, error: f64) -> Option<Forecast> {
-        self.error.filter(|e| e.trusted)?;
-        self.curve.forecast(error)
+    pub fn trusted(&self) -> bool {
+        self.error.is_some_and(|e| e.trusted)
     }
 
-    /// Seconds of so many samples per pixel.
+    /// What an error costs; `None` where the pilot's own cannot be trusted.
     #[must_use]
-    pub fn seconds(&self, samples: u32) -> f64 {
-        f64::from(samples) * self.pass_seconds
+    pub fn quote(&self, error: f64) -> Option<Quote> {
+        let found = self.curve.forecast(error).filter(|_| self.trusted())?;
+        Some(Quote::new(found, self.pass_seconds))
+    }
+}
+
+impl Quote {
+    /// Of samples that take so many seconds each.
+    #[must_use]
+    pub fn new(forecast: Forecast, pass_seconds: f64) -> Self {
+        let Forecast { samples, interval } = forecast;
+        let [low, high] = interval.map(|n| f64::from(n) / f64::from(samples));
+        // Two independent reasons to be wrong, as factors.
+        let both = |ratio: f64| libm::exp(libm::hypot(libm::log(ratio), libm::log(1.0 + CLOCK)));
+        let seconds = f64::from(samples) * pass_seconds;
+        let seconds_interval = [seconds / both(low), seconds * both(high)];
+        Self { samples, samples_interval: interval, seconds, seconds_interval }
     }
 }
 
@@ -79,6 +123,15 @@ impl Control for Notes<'_> {
     }
 }
 
+/// Passes on the wish to stop, and nothing else.
+struct Stop<'a>(&'a dyn Control);
+
+impl Control for Stop<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
 /// Renders some pixels of a picture for as many passes as fixed work allows; `options` say which threads and part of
 /// it, and what to record.
 ///
@@ -89,33 +142,48 @@ pub fn pilot(
     options: &RenderOptions,
     control: &dyn Control,
 ) -> Result<Pilot, RenderError> {
-    let layout = layout(scene, options);
-    let pixels = u64::from(layout.crop[2]) * u64::from(layout.crop[3]);
+    let plain = RenderOptions { layers: false, layer_noise: false, features: false, ..options.clone() };
+    let film = Film::new(layout(scene, &plain));
+    let pixels = film.pixels() as u64;
     let every = (pixels / PIXELS).clamp(1, u64::from(u32::MAX)) as u32;
     let notes = Notes { curve: Mutex::new(Curve::new(every)), control };
-    let options = RenderOptions { passes: 0..FIRST, every, time: None, error: None, ..options.clone() };
-    let first = render_onto(scene, Film::new(layout), &options, &notes)?;
+    let options = RenderOptions { passes: 0..FIRST, every, time: None, error: None, ..plain };
+    let first = render_onto(scene, film, &options, &notes)?;
     let affordable = RAYS * u64::from(FIRST) / first.counters.rays.max(1);
     let passes = (affordable.min(u64::from(PASSES.end)) as u32).max(PASSES.start) / FIRST * FIRST;
     let options = RenderOptions { passes: FIRST..passes, ..options };
     let rest = render_onto(scene, first.film, &options, &notes)?;
     let elapsed = first.elapsed + rest.elapsed;
-    let counters = Counters {
-        rays: first.counters.rays + rest.counters.rays,
-        capped: first.counters.capped + rest.counters.capped,
-    };
     let passes = rest.passes.end;
+    // What layers are recorded with costs time, which a render does not take.
+    let parts = RenderOptions { passes: 0..(passes / PARTS).max(PASSES.start), layer_noise: true, ..options };
+    let parts = render_onto(scene, Film::new(layout(scene, &parts)), &parts, &Stop(control))?;
     Ok(Pilot {
         curve: notes.curve.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner),
         error: rest.film.error(),
         every,
         passes,
+        rays: first.counters.rays + rest.counters.rays,
         elapsed,
-        pass_seconds: whole(&[first.busy, rest.busy], every) * elapsed.as_secs_f64() / f64::from(passes.max(1)),
+        pass_seconds: whole(&[first.busy, rest.busy], every) * elapsed.as_secs_f64()
+            / f64::from(passes.max(1)),
         threads: rest.threads,
-        film: rest.film,
-        counters,
+        parts: shares(&parts.film, &parts.counters),
     })
+}
+
+/// The shares of the parts of the light, of the most noisy first.
+fn shares(film: &Film, counters: &Counters) -> Vec<EffectShare> {
+    let rays: u64 = counters.layer_rays.iter().sum();
+    let of = |s: LayerShare| EffectShare {
+        layer: s.layer,
+        light: s.light,
+        noise: s.noise,
+        rays: counters.layer_rays[s.layer as usize] as f64 / rays.max(1) as f64,
+    };
+    let mut list: Vec<EffectShare> = film.layer_shares().into_iter().flatten().map(of).collect();
+    list.sort_by(|a, b| b.noise.total_cmp(&a.noise));
+    list
 }
 
 /// How many times as long a pass of all pixels takes as one of a part: photons are the same.

@@ -199,6 +199,41 @@ fn layers_change_nothing_and_add_up() {
     assert_eq!(seen.len(), 6, "some scene has each part: {seen:?}");
 }
 
+/// Guards the shares of the layers: each ray looks for one of them, light adds up as in the layers of the picture, and
+/// what was not asked for is not counted.
+#[test]
+fn rays_and_light_belong_to_layers() {
+    let scene = file("hexroom");
+    let by_photons = with_photons(&scene, EffectsMode::Auto, false);
+    for (name, prepared) in [("paths", prepared(&scene, EffectsMode::Auto)), ("photons", by_photons)] {
+        let options =
+            RenderOptions { features: false, layers: true, layer_noise: true, threads: 2, ..passes() };
+        let outcome = render(&prepared, &options, &Quiet).expect("passes");
+        let counters = outcome.counters;
+        assert_eq!(counters.layer_rays.iter().sum::<u64>(), counters.rays, "{name}");
+        assert!(counters.layer_rays.iter().all(|&n| n > 0), "{name}: {counters:?}");
+        let shares = outcome.film.layer_shares().expect("recorded");
+        let image = outcome.film.to_image();
+        let sum = |name: &str| {
+            let channels = image.layers.iter().flat_map(|l| &l.channels).filter(|(n, _)| n.starts_with(name));
+            let weights = [0.2126, 0.7152, 0.0722];
+            let of =
+                |((_, v), w): (&(String, Vec<f32>), f64)| w * v.iter().map(|&v| f64::from(v)).sum::<f64>();
+            channels.zip(weights).map(of).sum::<f64>()
+        };
+        let total: f64 = shares.iter().map(|s| sum(s.layer.name())).sum();
+        for share in shares {
+            let expected = sum(share.layer.name()) / total;
+            assert!((share.light - expected).abs() < 1e-5, "{name}: {share:?} {expected}");
+        }
+        assert!((shares.iter().map(|s| s.noise).sum::<f64>() - 1.0).abs() < 1e-9, "{name}: {shares:?}");
+        let plain =
+            render(&prepared, &RenderOptions { features: false, ..passes() }, &Quiet).expect("passes");
+        assert_eq!(plain.counters.layer_rays, [0; 5], "{name}");
+        assert_eq!(plain.counters.rays, counters.rays, "{name}");
+    }
+}
+
 /// A scene whose caustics are found by photons.
 fn with_photons(scene: &Scene, effects: EffectsMode, unbiased: bool) -> Prepared {
     let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased };

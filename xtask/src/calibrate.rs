@@ -142,7 +142,7 @@ impl<'a> Bench<'a> {
         let seed = seed(case, i).to_string();
         let target = format!("{}%", 100.0 * case.target);
         let most = case.most.to_string();
-        self.render(case, &picture, &["--error", &target, "--spp", &most, "--seed", &seed])?;
+        self.render(case, case.scene, &picture, &["--error", &target, "--spp", &most, "--seed", &seed])?;
         let report = read_json(&picture.with_extension("report.json"))?;
         let mut compare = Command::new(&self.program);
         compare.args(["compare", "--json"]).arg(&picture).arg(&reference);
@@ -170,7 +170,7 @@ impl<'a> Bench<'a> {
             let unfinished = self.folder.join(format!("unfinished-{}.exr", case.picture()));
             let samples = case.reference.to_string();
             let seed = seed(case, u32::MAX).to_string();
-            self.render(case, &unfinished, &["--spp", &samples, "--seed", &seed])?;
+            self.render(case, case.reference_scene(), &unfinished, &["--spp", &samples, "--seed", &seed])?;
             let moved = |from: &Path, to: &Path| {
                 std::fs::rename(from, to).map_err(|e| format!("{}: {e}", from.display()))
             };
@@ -182,9 +182,9 @@ impl<'a> Bench<'a> {
         Ok((path, error.ok_or_else(|| format!("the reference of {} states no error", case.name))?))
     }
 
-    fn render(&self, case: &Case, picture: &Path, words: &[&str]) -> Result<(), String> {
+    fn render(&self, case: &Case, scene: &str, picture: &Path, words: &[&str]) -> Result<(), String> {
         let mut command = Command::new(&self.program);
-        command.arg("render").arg(self.root.join(case.scene)).args(["--size", SIZE, "--quiet", "-o"]).arg(picture);
+        command.arg("render").arg(self.root.join(scene)).args(["--size", SIZE, "--quiet", "-o"]).arg(picture);
         command.args(case.flags).args(words).current_dir(self.root);
         let said = command.output().map_err(|e| format!("epsilux could not be started: {e}"))?;
         // Where the samples end before the error is reached, the picture is whole.
@@ -197,7 +197,7 @@ impl<'a> Bench<'a> {
 
 /// The seed of a run: the hash of its case and number.
 fn seed(case: &Case, i: u32) -> u32 {
-    let hash = Sha256::digest(format!("calibrate {} {i}", case.picture()));
+    let hash = Sha256::digest(format!("calibrate {} {i}", case.name));
     u32::from_le_bytes([hash[0], hash[1], hash[2], hash[3]])
 }
 
