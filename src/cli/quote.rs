@@ -17,7 +17,7 @@ use super::{Code, load, render};
 use crate::film::LightLayer;
 use crate::integrate::{Control, RenderOptions};
 use crate::prepare::{Algorithms, Caustics, CausticsMode, Prepared};
-use crate::quote::{EffectShare, Pilot, Quote, pilot};
+use crate::quote::{EffectShare, Pilot, Quote, RAYS, pilot};
 use crate::scene::{Camera, Scene};
 
 /// Errors that are quoted where none is asked for.
@@ -68,6 +68,10 @@ pub(super) struct QuoteArgs {
     /// Threads; 0 is one for each core
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
+
+    /// Rays that the pilot may take; more of them narrow the intervals
+    #[arg(long, value_name = "N", default_value_t = RAYS, value_parser = clap::value_parser!(u64).range(1..))]
+    rays: u64,
 
     /// Print JSON (epsilux.quote/1)
     #[arg(long)]
@@ -160,7 +164,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
     let listening = Listening(Stop::listen());
     let look = |prepared: &Prepared| -> Result<Pilot, Failure> {
         let options = RenderOptions { threads: args.threads, ..RenderOptions::passes(0..1) };
-        pilot(prepared, &options, &listening).map_err(|e| Failure::usage(e.to_string()))
+        pilot(prepared, &options, args.rays, &listening).map_err(|e| Failure::usage(e.to_string()))
     };
     let asked = args.algorithms.meant();
     let prepared = prepare(&loaded.scene, camera, args, asked)?;
@@ -169,7 +173,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
     let mut alternatives = Vec::new();
     // Photons, where paths find caustics with much noise, or too rarely to say.
     let caustic = pilot.parts.iter().find(|p| p.layer == LightLayer::Caustic);
-    let noisy = caustic.is_some_and(|c| c.noise >= NOISY) || !pilot.trusted();
+    let noisy = caustic.is_some_and(|c| c.noise >= NOISY) || !pilot.is_clear();
     if prepared.plan.caustics == Caustics::Path && noisy {
         let photons = Algorithms { caustics: CausticsMode::Photon, ..asked };
         let other = prepare(&loaded.scene, camera, args, photons)?;

@@ -32,8 +32,6 @@ const SPREAD: f64 = 1.75;
 const Z: f64 = 1.959_963_984_540_054;
 /// Share of the mean luminance that is added to what errors are divided by: c above.
 pub(super) const FLOOR: f64 = 0.1;
-/// Below as many pixels that carry the error, the sum over them is not normal enough for its interval.
-const FEWEST: f64 = 60.0;
 /// What the delta method leaves of the relative bias of E^2, times E^2: at most, in simulations of uniform,
 /// exponential and rare samples up to [`ErrorEstimate::NOISIEST`].
 const LEFT: f64 = 1.5;
@@ -58,6 +56,8 @@ pub struct ErrorEstimate {
 impl ErrorEstimate {
     /// Above this error the halves are too noisy to say what they converge to: no estimate is trusted.
     pub const NOISIEST: f64 = 0.25;
+    /// Where fewer pixels carry the error, the sum over them is not normal enough for its interval.
+    pub const FEWEST_PIXELS: f64 = 60.0;
 }
 
 /// What each pixel adds to the square of the error.
@@ -90,7 +90,7 @@ impl Squares {
             error,
             interval: [error / factor, error * factor],
             effective_pixels,
-            trusted: effective_pixels >= FEWEST && error <= ErrorEstimate::NOISIEST,
+            trusted: effective_pixels >= ErrorEstimate::FEWEST_PIXELS && error <= ErrorEstimate::NOISIEST,
             tail: None,
         }
     }

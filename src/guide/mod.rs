@@ -36,6 +36,9 @@ pub mod numbers {}
 #[doc = include_str!("long-renders.md")]
 pub mod long_renders {}
 
+#[doc = include_str!("accuracy.md")]
+pub mod accuracy {}
+
 #[doc = include_str!("report.md")]
 pub mod report {}
 
@@ -45,7 +48,7 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 12] = [
+    const PAGES: [(&str, &str); 13] = [
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
@@ -56,6 +59,7 @@ mod tests {
         ("plan.md", include_str!("plan.md")),
         ("numbers.md", include_str!("numbers.md")),
         ("long-renders.md", include_str!("long-renders.md")),
+        ("accuracy.md", include_str!("accuracy.md")),
         ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),
     ];

@@ -7,21 +7,25 @@ use std::time::Duration;
 use super::curve::{Curve, Forecast};
 use crate::film::{ErrorEstimate, Film, LayerShare, LightLayer};
 use crate::integrate::{
-    Busy, Control, Counters, RenderError, RenderOptions, is_looked_at, layout, render_onto,
+    Control, Counters, Outcome, RenderError, RenderOptions, is_looked_at, layout, render_onto,
 };
 use crate::prepare::Prepared;
 
 /// Pixels of a pilot, at least, where the picture has as many: enough for an interval, and few enough for many samples
 /// of each.
 const PIXELS: u64 = 4096;
-/// Rays that a pilot may take: a second or two on a few cores.
-const RAYS: u64 = 6_000_000;
+/// Rays of a pilot where nothing else is asked for: a second or two on a few cores.
+pub const RAYS: u64 = 6_000_000;
 /// Passes of a pilot: at least what a curve needs, at most what any error above a thousandth does.
 const PASSES: Range<u32> = 16..4096;
 /// The part of the passes that is rendered again for the shares of effects.
 const PARTS: u32 = 4;
 /// What a pass may take more or less later on, relative: 95 % of what was seen on a machine with nothing else to do.
 const CLOCK: f64 = 0.08;
+/// How many times as many passes a pilot takes where the error is not clear.
+const LONGER: u32 = 4;
+/// Pixels that carry the error of a pilot, at least, where it is clear.
+const FEWEST: f64 = 20.0;
 /// Passes that say how many rays one takes.
 const FIRST: u32 = 4;
 
@@ -75,16 +79,16 @@ pub struct Quote {
 }
 
 impl Pilot {
-    /// Whether the error of the pilot can be trusted, and so what is foreseen from it.
+    /// Whether the error of the pilot says what that of the whole picture will be.
     #[must_use]
-    pub fn trusted(&self) -> bool {
-        self.error.is_some_and(|e| e.trusted)
+    pub fn is_clear(&self) -> bool {
+        self.error.is_some_and(|e| is_clear(&e, self.every))
     }
 
-    /// What an error costs; `None` where the pilot's own cannot be trusted.
+    /// What an error costs; `None` where the pilot does not say.
     #[must_use]
     pub fn quote(&self, error: f64) -> Option<Quote> {
-        let found = self.curve.forecast(error).filter(|_| self.trusted())?;
+        let found = self.curve.forecast(error).filter(|_| self.is_clear())?;
         Some(Quote::new(found, self.pass_seconds))
     }
 }
@@ -132,14 +136,15 @@ impl Control for Stop<'_> {
     }
 }
 
-/// Renders some pixels of a picture for as many passes as fixed work allows; `options` say which threads and part of
-/// it, and what to record.
+/// Renders some pixels of a picture for as many passes as so many rays allow, but for the least that a curve needs;
+/// `options` say which threads, and which part of the picture.
 ///
 /// # Errors
 /// As [`render_onto`].
 pub fn pilot(
     scene: &Prepared,
     options: &RenderOptions,
+    rays: u64,
     control: &dyn Control,
 ) -> Result<Pilot, RenderError> {
     let plain = RenderOptions { layers: false, layer_noise: false, features: false, ..options.clone() };
@@ -149,27 +154,71 @@ pub fn pilot(
     let notes = Notes { curve: Mutex::new(Curve::new(every)), control };
     let options = RenderOptions { passes: 0..FIRST, every, time: None, error: None, ..plain };
     let first = render_onto(scene, film, &options, &notes)?;
-    let affordable = RAYS * u64::from(FIRST) / first.counters.rays.max(1);
-    let passes = (affordable.min(u64::from(PASSES.end)) as u32).max(PASSES.start) / FIRST * FIRST;
-    let options = RenderOptions { passes: FIRST..passes, ..options };
-    let rest = render_onto(scene, first.film, &options, &notes)?;
-    let elapsed = first.elapsed + rest.elapsed;
-    let passes = rest.passes.end;
+    let affordable = rays.saturating_mul(u64::from(FIRST)) / first.counters.rays.max(1);
+    let planned = (affordable.min(u64::from(PASSES.end)) as u32).max(PASSES.start) / FIRST * FIRST;
+    let mut total = Spent::default();
+    total.add(&first);
+    let (mut film, mut passes) = (first.film, first.passes.end);
+    // Longer, by up to as much as LONGER says, where that much does not show what the picture converges to.
+    let mut asked = planned;
+    let (error, threads) = loop {
+        let options = RenderOptions { passes: passes..asked, ..options.clone() };
+        let more = render_onto(scene, film, &options, &notes)?;
+        total.add(&more);
+        (film, passes) = (more.film, more.passes.end);
+        let error = film.error();
+        let clear = error.is_some_and(|e| is_clear(&e, every));
+        if clear || more.cancelled || asked >= (LONGER * planned).min(PASSES.end) {
+            break (error, more.threads);
+        }
+        asked = (2 * asked).min(PASSES.end);
+    };
     // What layers are recorded with costs time, which a render does not take.
     let parts = RenderOptions { passes: 0..(passes / PARTS).max(PASSES.start), layer_noise: true, ..options };
     let parts = render_onto(scene, Film::new(layout(scene, &parts)), &parts, &Stop(control))?;
     Ok(Pilot {
         curve: notes.curve.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner),
-        error: rest.film.error(),
+        error,
         every,
         passes,
-        rays: first.counters.rays + rest.counters.rays,
-        elapsed,
-        pass_seconds: whole(&[first.busy, rest.busy], every) * elapsed.as_secs_f64()
-            / f64::from(passes.max(1)),
-        threads: rest.threads,
+        rays: total.rays,
+        elapsed: total.elapsed,
+        pass_seconds: total.whole(every) / f64::from(passes.max(1)),
+        threads,
         parts: shares(&parts.film, &parts.counters),
     })
+}
+
+/// Whether the pilot's error says what that of the whole picture will be, of which one pixel in `every` is known.
+fn is_clear(error: &ErrorEstimate, every: u32) -> bool {
+    let carry = error.effective_pixels;
+    error.error <= ErrorEstimate::NOISIEST
+        && carry >= FEWEST
+        && carry * f64::from(every) >= ErrorEstimate::FEWEST_PIXELS
+}
+
+/// What renders took together.
+#[derive(Default)]
+struct Spent {
+    rays: u64,
+    elapsed: Duration,
+    photons: Duration,
+    paths: Duration,
+}
+
+impl Spent {
+    fn add(&mut self, outcome: &Outcome) {
+        self.rays += outcome.counters.rays;
+        self.elapsed += outcome.elapsed;
+        self.photons += outcome.busy.photons;
+        self.paths += outcome.busy.tiles + outcome.busy.film;
+    }
+
+    /// Seconds that it would have taken to render all pixels: photons are the same.
+    fn whole(&self, every: u32) -> f64 {
+        let [photons, paths] = [self.photons, self.paths].map(|d| d.as_secs_f64());
+        self.elapsed.as_secs_f64() * (photons + paths * f64::from(every)) / (photons + paths).max(1e-9)
+    }
 }
 
 /// The shares of the parts of the light, of the most noisy first.
@@ -184,11 +233,4 @@ fn shares(film: &Film, counters: &Counters) -> Vec<EffectShare> {
     let mut list: Vec<EffectShare> = film.layer_shares().into_iter().flatten().map(of).collect();
     list.sort_by(|a, b| b.noise.total_cmp(&a.noise));
     list
-}
-
-/// How many times as long a pass of all pixels takes as one of a part: photons are the same.
-fn whole(busy: &[Busy], every: u32) -> f64 {
-    let sum = |of: fn(&Busy) -> Duration| busy.iter().map(|b| of(b).as_secs_f64()).sum::<f64>();
-    let (photons, paths) = (sum(|b| b.photons), sum(|b| b.tiles) + sum(|b| b.film));
-    (photons + paths * f64::from(every)) / (photons + paths).max(1e-9)
 }

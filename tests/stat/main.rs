@@ -11,5 +11,6 @@ mod caustics;
 mod fast;
 mod golden;
 mod naive;
+mod quote;
 mod report;
 mod textured;

@@ -22,6 +22,8 @@ use table::Run;
 
 /// Side of the pictures, pixels.
 const SIZE: &str = "64x64";
+/// Rays of a pilot where runs are quoted: about fifty samples of each pixel.
+const PILOT: &str = "1500000";
 /// Cases of the quick mode: simple light, and light of a sky with a sun.
 const QUICK: [&str; 2] = ["cornell", "sky"];
 
@@ -44,6 +46,9 @@ pub(crate) struct Arguments {
     /// Forget former results, and render references anew
     #[arg(long)]
     fresh: bool,
+    /// Quote each run before it, too, from a pilot of about a tenth of it, and say how far quotes were off
+    #[arg(long)]
+    quotes: bool,
     /// Run this program instead of the one of this checkout
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
@@ -73,12 +78,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
                 Some(found) => found,
                 None => bench.measure(case, i, &key)?,
             };
-            runs.push(Run::from_json(&found).ok_or_else(|| format!("{key}: the result cannot be read"))?);
+            let mut run = Run::from_json(&found).ok_or_else(|| format!("{key}: the result cannot be read"))?;
+            if arguments.quotes {
+                let key = format!("quote {key}");
+                let found = match known.remove(&key) {
+                    Some(found) => found,
+                    None => bench.quote(case, i, &key)?,
+                };
+                run.quoted = table::Quoted::from_json(&found);
+            }
+            runs.push(run);
         }
         let row = table::Row::new(case, &runs);
         println_line(&row.to_string());
         rows.push(row);
     }
+    bench.tidy();
     println_line(&table::totals(&rows));
     let broken = table::broken(&rows);
     if broken.is_empty() { Ok(()) } else { Err(broken.join("\n  ")) }
@@ -120,6 +135,18 @@ impl<'a> Bench<'a> {
         Ok(Self { root, folder, program, version })
     }
 
+    /// The picture of a run, until the next one.
+    fn picture(&self) -> PathBuf {
+        self.folder.join(format!("run-{}.exr", std::process::id()))
+    }
+
+    /// Removes what is of no use any more; what cannot be removed does no harm.
+    fn tidy(&self) {
+        let picture = self.picture();
+        let _ = std::fs::remove_file(picture.with_extension("report.json"));
+        let _ = std::fs::remove_file(picture);
+    }
+
     fn results(&self) -> PathBuf {
         self.folder.join("runs.jsonl")
     }
@@ -138,7 +165,7 @@ impl<'a> Bench<'a> {
     /// Renders once, holds it against the reference, and keeps the result.
     fn measure(&self, case: &Case, i: u32, key: &str) -> Result<Value, String> {
         let (reference, reference_error) = self.reference(case)?;
-        let picture = self.folder.join(format!("run-{}.exr", std::process::id()));
+        let picture = self.picture();
         let seed = seed(case, i).to_string();
         let target = format!("{}%", 100.0 * case.target);
         let most = case.most.to_string();
@@ -149,13 +176,28 @@ impl<'a> Bench<'a> {
         let said = crate::golden::json(&mut compare)?;
         let apart = said["error"].as_f64().ok_or("compare says no error")?;
         let truth = (apart * apart - reference_error * reference_error).max(0.0).sqrt();
-        let result = json!({
+        self.keep(json!({
             "key": key,
             "truth": truth,
             "reference_error": reference_error,
             "samples": report["passes"][1],
             "error": report["error"],
-        });
+            "seconds": report["seconds"]["render"],
+        }))
+    }
+
+    /// Quotes a run, and keeps what was said.
+    fn quote(&self, case: &Case, i: u32, key: &str) -> Result<Value, String> {
+        let mut quote = Command::new(&self.program);
+        quote.arg("quote").arg(self.root.join(case.scene)).args(case.flags).args(["--size", SIZE, "--json"]);
+        quote.args(["--rays", PILOT, "--error", &format!("{}%", 100.0 * case.target)]);
+        quote.args(["--seed", &seed(case, i).to_string()]).current_dir(self.root);
+        let said = crate::golden::json(&mut quote)?;
+        self.keep(json!({ "key": key, "quote": said["quotes"][0], "pilot": said["pilot"] }))
+    }
+
+    /// Appends a result to those that are known.
+    fn keep(&self, result: Value) -> Result<Value, String> {
         let path = self.results();
         let failed = |e: std::io::Error| format!("{}: {e}", path.display());
         let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&path).map_err(failed)?;
