@@ -7,9 +7,11 @@ use super::args::ExplainArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::notes::{self, NoteJson};
-use super::schema::to_json;
+use super::schema::{to_json, to_json_line};
+use super::shortcuts::{PricedJson, prices};
 use super::{Code, load, render};
-use crate::prepare::{Options, Plan, analyse};
+use crate::integrate::Quiet;
+use crate::prepare::{self, Options, Plan, Shortcuts};
 use crate::report::{Explanation, PlanFacts};
 
 #[derive(Serialize)]
@@ -20,22 +22,28 @@ struct ExplainJson<'a> {
     #[serde(flatten)]
     plan: PlanFacts<'a>,
     plan_sha256: String,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    prices: Vec<PricedJson>,
     notes: Vec<NoteJson<'a>>,
 }
 
 pub(super) fn run(args: &ExplainArgs, console: &Console) -> Result<Code, Failure> {
     let loaded = load::load(&args.scene)?;
     let camera = render::camera(&loaded.scene, args.camera.as_deref())?;
-    let options = Options {
+    let mut options = Options {
         camera: args.camera.clone(),
         size: render::picture_size(&loaded.scene, camera, None),
         seed: 0,
         effects: args.effects.into(),
         max_depth: loaded.scene.settings.max_depth,
+        shortcuts: Shortcuts::of(&loaded.scene.settings),
         transparent: false,
         algorithms: args.algorithms.meant(),
     };
-    let plan = analyse(&loaded.scene, camera, &options);
+    args.shortcuts.take(&mut options);
+    let plan = prepare::plan(&loaded.scene, &options).map_err(|e| Failure::usage(e.to_string()))?;
+    let prices = if args.price { prices(&loaded.scene, &options, 0, &Quiet)? } else { None };
+    let prices = prices.unwrap_or_default();
     if args.json {
         let explained = ExplainJson {
             schema: "epsilux.explain/1",
@@ -43,13 +51,15 @@ pub(super) fn run(args: &ExplainArgs, console: &Console) -> Result<Code, Failure
             camera: &camera.name,
             plan: (&plan).into(),
             plan_sha256: record(&plan)?.sha256,
+            prices: prices.iter().map(PricedJson::of_run).collect(),
             notes: notes::json(&loaded.notes),
         };
         console.result(&to_json(&explained)?)?;
     } else {
         let explanation = Explanation::new(&plan, &loaded.notes);
         let text = if console.result_colours() { explanation.coloured() } else { explanation.to_string() };
-        console.result(&text)?;
+        let lines = std::iter::once(text).chain(prices.iter().map(ToString::to_string));
+        console.result(&lines.collect::<Vec<_>>().join("\n"))?;
     }
     Ok(Code::Done)
 }
@@ -65,8 +75,7 @@ pub(super) struct Record {
 /// What a picture says of the plan that made it.
 pub(super) fn record(plan: &Plan) -> Result<Record, Failure> {
     let facts = PlanFacts::from(plan).of_picture();
-    let json =
-        serde_json::to_string(&facts).map_err(|e| Failure::write(format!("cannot write JSON: {e}")))?;
+    let json = to_json_line(&facts)?;
     let sha256 = Sha256::digest(&json).iter().map(|byte| format!("{byte:02x}")).collect();
     Ok(Record { json, sha256 })
 }

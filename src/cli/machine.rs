@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::forecast::Quoted;
 use super::notes::NoteJson;
+use super::shortcuts::PricedJson;
 use crate::film::ErrorEstimate;
 use crate::report::PlanFacts;
 
@@ -40,6 +41,9 @@ pub(super) struct Report<'a> {
     pub(super) samples_refused: u64,
     pub(super) refused: Vec<RefusedJson>,
     pub(super) paths_cut: u64,
+    /// What was left out or approximated on purpose, and what each costs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) shortcuts: Vec<PricedJson>,
     pub(super) plan: PlanFacts<'a>,
     pub(super) plan_sha256: String,
     pub(super) notes: Vec<NoteJson<'a>>,
@@ -109,7 +113,7 @@ impl Machine {
 }
 
 /// The processor's name, where Linux tells it.
-fn cpu_name() -> Option<String> {
+pub(super) fn cpu_name() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|l| l.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())

@@ -9,6 +9,7 @@ mod check;
 mod compare;
 mod console;
 mod convert;
+mod cost;
 mod demo;
 mod explain;
 mod failure;
@@ -25,6 +26,7 @@ mod quote;
 mod render;
 mod saver;
 mod schema;
+mod shortcuts;
 mod signal;
 mod stated;
 mod units;
@@ -90,6 +92,7 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Merge(args) => merge::run(&args, console),
         Command::Quote(args) => quote::run(&args, console),
         Command::Check(args) => check::run(&args, console),
+        Command::Cost(args) => cost::run(&args, arguments, console),
         Command::Golden(args) => golden::run(&args, console),
         Command::Demo(args) => demo::run(&args, arguments, console),
         Command::Schema(args) => schema::run(&args, console),

@@ -40,6 +40,16 @@ struct Line {
     error_target: Option<f64>,
 }
 
+/// One line of `--progress json` of what is more than one render.
+#[derive(Serialize)]
+struct ShareLine<'a> {
+    schema: &'static str,
+    percent: f64,
+    doing: &'a str,
+    seconds: f64,
+    seconds_left: Option<f64>,
+}
+
 /// Steps of the bar.
 const STEPS: u64 = 10_000;
 
@@ -90,6 +100,32 @@ impl<'a> Display<'a> {
                     error: p.error.map(|(e, _)| e.into()),
                     error_passes: p.error.map(|(_, passes)| passes),
                     error_target: p.error_target,
+                };
+                if let Ok(line) = serde_json::to_string(&line) {
+                    console.message(&line);
+                }
+            }
+        }
+    }
+
+    /// Shows how much of something other than one render is done.
+    pub(super) fn show_share(&self, share: f64, seconds: f64, doing: &str) {
+        // The first moments say nothing of the time.
+        let left = (share > 0.005).then(|| seconds * (1.0 - share) / share);
+        match self {
+            Self::Nothing => {}
+            Self::Bar(bar) => {
+                let left = left.map_or(String::new(), |left| format!("{} left, ", show_time(left)));
+                bar.set_message(format!("{left}{doing}"));
+                bar.set_position((share * STEPS as f64) as u64);
+            }
+            Self::Json(console) => {
+                let line = ShareLine {
+                    schema: "epsilux.progress-of/1",
+                    percent: 100.0 * share,
+                    doing,
+                    seconds,
+                    seconds_left: left,
                 };
                 if let Ok(line) = serde_json::to_string(&line) {
                     console.message(&line);

@@ -17,7 +17,8 @@ use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_l
 use super::notes;
 use super::progress::{Display, Watch};
 use super::saver::{Saved, Saver};
-use super::schema::to_json;
+use super::schema::{to_json, to_json_line};
+use super::shortcuts::{self, PricedJson};
 use super::signal::Stop;
 use super::stated::Stated;
 use super::units::{show_share, show_time};
@@ -28,8 +29,9 @@ use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, Re
 use crate::output::{self, Format, Tone, WriteOptions};
 use crate::part::Identity;
 use crate::prepare::{self, EffectsMode, Plan, PrepareError, Prepared};
+use crate::price::Priced;
 use crate::report::Explanation;
-use crate::scene::{Camera, Note, Scene, sha256};
+use crate::scene::{Camera, Note, NoteEffect, Scene, sha256};
 
 pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) -> Result<Code, Failure> {
     let begin = Instant::now();
@@ -76,6 +78,9 @@ fn check_flags(args: &RenderArgs, outputs: &[PathBuf]) -> Result<(), Failure> {
         Method::Report => ("report", true),
     };
     let others = args.method != Method::Default;
+    if let Some(flag) = args.shortcuts.of_the_default_method().filter(|_| others) {
+        return Err(Failure::usage(format!("{flag} is not available with --method {name}")));
+    }
     let without: [(&str, bool); 12] = [
         ("--time", others && args.time.is_some()),
         ("--error", others && args.error.is_some()),
@@ -148,6 +153,8 @@ struct Rendered {
     image: Image,
     stated: Stated,
     plan: Plan,
+    /// What its shortcuts cost.
+    prices: Vec<Priced>,
     /// Passes that this run added.
     added: u32,
     /// Whether the error that was asked for is reached.
@@ -162,11 +169,12 @@ struct Rendered {
 
 impl Rendered {
     /// From a render whose film held the passes from `first` on before.
-    fn new(outcome: Outcome, first: u32, plan: Plan) -> Self {
+    fn new(outcome: Outcome, first: u32, plan: Plan, prices: Vec<Priced>) -> Self {
         Self {
             image: outcome.film.to_image(),
             stated: Stated::of_outcome(&outcome, first),
             plan,
+            prices,
             added: outcome.passes.end - outcome.passes.start,
             reached: outcome.reached,
             threads: outcome.threads,
@@ -191,6 +199,7 @@ impl Job {
                 seed: 0,
                 effects: EffectsMode::Auto,
                 max_depth: hints.max_depth,
+                shortcuts: prepare::Shortcuts::of(hints),
                 transparent: false,
                 algorithms: prepare::Algorithms::default(),
             },
@@ -224,7 +233,7 @@ impl Job {
         job.prepare.effects = args.effects.into();
         job.prepare.transparent = args.transparent;
         job.prepare.algorithms = args.algorithms.meant();
-        job.prepare.max_depth = args.max_depth.or(job.prepare.max_depth);
+        args.shortcuts.take(&mut job.prepare);
         job.passes = match (args.spp, args.time.is_some() || args.error.is_some()) {
             (Some(spp), _) => spp,
             (None, true) => MAX_SAMPLES,
@@ -274,17 +283,36 @@ impl Job {
             forecaster: self.error.map(Forecaster::new),
             before: AtomicU32::new(0),
         };
+        if self.method != Method::Default && scene.settings.indirect_gain.is_some_and(|gain| gain != 1.0) {
+            let message = format!("--method {} does not amplify indirect light", self.method_name());
+            let (place, effect) = ("render.indirect_gain".to_owned(), NoteEffect::Differs);
+            let note = Note { code: "indirect-gain-ignored", place, message, effect };
+            if self.strict {
+                notes::refuse(std::slice::from_ref(&note), notes::RENDERED)?;
+            }
+            if !self.quiet {
+                notes::show(std::slice::from_ref(&note), self.verbose, console);
+            }
+            notes.push(note);
+        }
         let rendering = Instant::now();
         let hash = sha256(&scene);
         let (mut rendered, prepare) = match self.method {
-            Method::Default => self.render(&scene, &hash, &watch, console)?,
+            Method::Default => match self.render(&scene, &hash, &watch, console)? {
+                Some(rendered) => rendered,
+                None => {
+                    console.message("stopped by a signal before the render began: nothing is written");
+                    return Ok(watch.stop.code().unwrap_or(Code::Interrupted));
+                }
+            },
             Method::Reference => (self.render_reference(&scene, &watch)?, 0.0),
             Method::Report => (self.render_report(&scene, &watch, &mut notes, console)?, 0.0),
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
         rendered.quoted = watch.forecaster.as_ref().and_then(Forecaster::quoted);
-        rendered.image.attributes = rendered.stated.attributes(&self.identity(&rendered.plan, &hash)?);
+        rendered.image.attributes =
+            rendered.stated.attributes(&self.identity(&rendered.plan, &hash, &rendered.prices)?);
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
         for path in &self.outputs {
@@ -331,16 +359,23 @@ impl Job {
         Ok(Code::Done)
     }
 
-    /// The default method; also the seconds that preparing took.
+    /// The default method; also the seconds that preparing took, prices included. `None` where somebody stopped it
+    /// before it began.
     fn render(
         &self,
         scene: &Scene,
         hash: &str,
         watch: &Watch<'_>,
         console: &Console,
-    ) -> Result<(Rendered, f64), Failure> {
+    ) -> Result<Option<(Rendered, f64)>, Failure> {
         let begin = Instant::now();
         let prepared = self.prepared(scene)?;
+        let Some(prices) = shortcuts::prices(scene, &self.prepare, self.threads, watch)? else {
+            return Ok(None);
+        };
+        if !self.quiet {
+            prices.iter().for_each(|priced| console.message(&priced.to_string()));
+        }
         if self.verbose {
             // Notes have been said.
             let explanation = Explanation::new(&prepared.plan, &[]);
@@ -362,7 +397,7 @@ impl Job {
             layers: self.aovs.contains(&Aov::Layers),
             layer_noise: false,
         };
-        let identity = self.identity(&prepared.plan, hash)?;
+        let identity = self.identity(&prepared.plan, hash, &prices)?;
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);
         let mut film = Film::new(integrate::layout(&prepared, &options));
         let mut saver = None;
@@ -385,7 +420,7 @@ impl Job {
         if let Some(saver) = &saver {
             saver.finish(&outcome)?;
         }
-        Ok((Rendered::new(outcome, self.first, prepared.plan.clone()), seconds))
+        Ok(Some((Rendered::new(outcome, self.first, prepared.plan.clone(), prices), seconds)))
     }
 
     /// The report's method; what it renders otherwise is added to the notes.
@@ -424,7 +459,8 @@ impl Job {
         }
         notes.extend(tracer.notes().iter().cloned());
         let outcome = tracer.render(&options, watch).map_err(failure)?;
-        Ok(Rendered::new(outcome, 0, prepare::analyse(scene, &scene.cameras[camera], &self.prepare)))
+        let plan = prepare::analyse(scene, &scene.cameras[camera], &self.prepare);
+        Ok(Rendered::new(outcome, 0, plan, Vec::new()))
     }
 
     fn camera_index(&self, scene: &Scene) -> usize {
@@ -469,6 +505,7 @@ impl Job {
             image,
             stated: Stated { passes: std::iter::once(0..self.passes).collect(), partial, error: None },
             plan: prepare::analyse(scene, &scene.cameras[index], &self.prepare),
+            prices: Vec::new(),
             added: self.passes,
             reached: false,
             threads: self.threads,
@@ -481,7 +518,7 @@ impl Job {
 
     /// What the picture is of: all that samples depend on. The kernel is not among it, since it never changes the
     /// picture.
-    fn identity(&self, plan: &Plan, hash: &str) -> Result<Identity, Failure> {
+    fn identity(&self, plan: &Plan, hash: &str, prices: &[Priced]) -> Result<Identity, Failure> {
         let effects = plan.needs.iter().map(|n| n.effect.name()).collect::<Vec<_>>().join(", ");
         let mut list = vec![
             ("software", software()),
@@ -500,6 +537,10 @@ impl Job {
         }
         if self.method == Method::Report && self.slips != Slips::NONE {
             list.push(("slips", self.slips.names().join(", ")));
+        }
+        if !prices.is_empty() {
+            let prices: Vec<_> = prices.iter().map(PricedJson::of_picture).collect();
+            list.push(("shortcuts", to_json_line(&prices)?));
         }
         if self.method == Method::Default {
             let Record { json, sha256 } = explain::record(plan)?;
@@ -551,6 +592,7 @@ impl Job {
             samples_refused: rendered.refused,
             refused: rendered.bad.iter().map(refused).collect(),
             paths_cut: rendered.counters.map_or(0, |c| c.capped),
+            shortcuts: rendered.prices.iter().map(PricedJson::of_run).collect(),
             plan: (&rendered.plan).into(),
             plan_sha256: explain::record(&rendered.plan)?.sha256,
             notes: notes::json(notes),

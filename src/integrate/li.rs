@@ -19,7 +19,9 @@ use crate::color::Rgb;
 use crate::film::LightLayer;
 use crate::light::LightContext;
 use crate::mutants::planted;
-use crate::prepare::{Caustics, Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
+use crate::prepare::{
+    Caustics, Detail, Effect, Effects, Kept, Medium, Prepared, PreparedMaterial, Surface, Way,
+};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
@@ -66,10 +68,12 @@ struct PathState {
     radiance: Rgb,
     /// Which parts that consists of, where layers are asked for.
     layers: Layers,
-    /// Whether its first event had no spread: the camera looks into a mirror or through glass.
+    /// Whether its first event had no spread, or a narrow one: the camera looks into a mirror or through glass.
     through: bool,
-    /// How many of its events had a spread.
+    /// How many of its events had a spread, and not a narrow one.
     spread: u32,
+    /// Whether the last event had no spread, or a narrow one.
+    thrown: bool,
     /// Whether it is `E D (S+ D)*` so far, or nothing yet: the form of which photons reach the camera directly.
     linked: bool,
     /// Which caustics it leaves to photons.
@@ -128,15 +132,17 @@ impl PathState {
             layers: [Rgb::BLACK; LightLayer::ALL.len()],
             through: false,
             spread: 0,
+            thrown: false,
             linked: true,
             caustics: scene.plan.caustics,
         }
     }
 
-    /// Whether light that the path meets now is a caustic: its last event had no spread, an earlier one had.
+    /// Whether light that the path meets now is a caustic: its last event had no spread, or a narrow one; an earlier
+    /// one had.
     #[inline(always)]
     fn meets_caustic(&self) -> bool {
-        self.sampled.is_none() && self.spread > 0
+        self.thrown && self.spread > 0
     }
 
     /// The layer of light that the path meets now.
@@ -144,17 +150,18 @@ impl PathState {
     fn meets(&self) -> LightLayer {
         match (self.depth, &self.sampled) {
             (0, _) => LightLayer::Emitted,
-            (_, None) if self.spread > 0 => LightLayer::Caustic,
+            _ if self.meets_caustic() => LightLayer::Caustic,
             _ if self.through => LightLayer::Glass,
             (1, _) => LightLayer::Direct,
             _ => LightLayer::Indirect,
         }
     }
 
-    /// The layer of light that is sampled at the vertex where the path is now.
+    /// The layer of light that is sampled at the vertex where the path is now, on a material that may be `narrow`.
     #[inline(always)]
-    fn samples(&self) -> LightLayer {
+    fn samples(&self, narrow: bool) -> LightLayer {
         match self.depth {
+            _ if narrow && self.spread > 0 => LightLayer::Caustic,
             _ if self.through => LightLayer::Glass,
             0 => LightLayer::Direct,
             _ => LightLayer::Indirect,
@@ -163,30 +170,39 @@ impl PathState {
 
     /// Adds light that the path met on its way, unless photons supply it.
     #[inline(always)]
-    fn meet<const LAYERS: bool>(&mut self, found: Rgb) {
+    fn meet<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
         if self.meets_caustic() && self.caustics.by_photons(self.linked) {
             return;
         }
-        let radiance = planted!(clamp(found));
+        let way = || Way { events: self.depth, spread: self.spread, caustic: self.meets_caustic() };
+        let radiance = planted!(clamp(kept.of(found, way)));
         self.radiance += radiance;
         if LAYERS {
             self.layers[self.meets() as usize] += radiance;
         }
     }
 
-    /// Adds light that was sampled at a vertex that has a spread.
+    /// Adds light that was sampled at a vertex that has a spread, on a material that may be `narrow`.
     #[inline(always)]
-    fn lit<const LAYERS: bool>(&mut self, found: Rgb) {
-        let radiance = planted!(clamp(found));
+    fn lit<const LAYERS: bool>(&mut self, narrow: bool, found: Rgb, kept: &Kept) {
+        let way = || Way {
+            events: self.depth + 1,
+            spread: self.spread + u32::from(!narrow),
+            caustic: narrow && self.spread > 0,
+        };
+        let radiance = planted!(clamp(kept.of(found, way)));
         self.radiance += radiance;
         if LAYERS {
-            self.layers[self.samples() as usize] += radiance;
+            self.layers[self.samples(narrow) as usize] += radiance;
         }
     }
 
-    /// Adds the light of photons.
+    /// Adds the light of photons around a vertex that has a spread.
     #[inline(always)]
-    fn gather<const LAYERS: bool>(&mut self, radiance: Rgb) {
+    fn gather<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
+        // At least one event threw it here.
+        let way = || Way { events: self.depth + 2, spread: self.spread + 1, caustic: true };
+        let radiance = kept.of(found, way);
         self.radiance += radiance;
         if LAYERS {
             self.layers[LightLayer::Caustic as usize] += radiance;
@@ -281,7 +297,7 @@ fn step<const FX: u32, const LAYERS: bool>(
             None => 1.0,
             Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
         };
-        path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight);
+        path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight, &scene.kept);
     }
     if scene.max_depth.is_some_and(|cap| path.depth >= planted!(depth_off_by_one(cap))) {
         return Next::Done;
@@ -310,22 +326,27 @@ fn step<const FX: u32, const LAYERS: bool>(
         None if fx.has(Effect::Absorption) => medium_beyond(scene, path.medium, material, &context),
         None => path.medium,
     };
-    if !bsdf.is_delta() {
+    // What photons supply is not sampled here either.
+    let left = prepared.narrow && path.spread > 0 && path.caustics.by_photons(path.linked);
+    // What would be spread once more counts for nothing where indirect light is left out.
+    let over = !prepared.narrow && scene.kept.ends_after(path.spread);
+    if !bsdf.is_delta() && !left && !over {
         let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
         let before = counters.rays;
         let ld = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters);
         if LAYERS {
-            counters.layer_rays[path.samples() as usize] += counters.rays - before;
+            counters.layer_rays[path.samples(prepared.narrow) as usize] += counters.rays - before;
         }
-        path.lit::<LAYERS>(path.beta * ld);
+        path.lit::<LAYERS>(prepared.narrow, path.beta * ld, &scene.kept);
         if let Some(map) = map
             && path.depth > 0
-            && !(path.linked && path.sampled.is_none())
+            && !prepared.narrow
+            && !(path.linked && path.thrown)
         {
             let place = (path.depth, path.spread > 0);
             let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
-            path.gather::<LAYERS>(path.beta * caustics);
+            path.gather::<LAYERS>(path.beta * caustics, &scene.kept);
         }
     }
 
@@ -335,14 +356,19 @@ fn step<const FX: u32, const LAYERS: bool>(
     else {
         return Next::Done;
     };
+    if over && !sample.delta {
+        return Next::Done;
+    }
     path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
     path.eta_scale *= sample.eta * sample.eta;
     if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
         path.medium = beyond;
     }
-    path.linked &= if path.depth == 0 { !sample.delta } else { sample.delta || path.sampled.is_none() };
-    path.through |= path.depth == 0 && sample.delta;
-    path.spread += u32::from(!sample.delta);
+    let thrown = sample.delta || prepared.narrow;
+    path.linked &= if path.depth == 0 { !thrown } else { thrown || path.thrown };
+    path.through |= path.depth == 0 && thrown;
+    path.spread += u32::from(!thrown);
+    path.thrown = thrown;
     path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
     path.from = leaving;
@@ -476,7 +502,7 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
         }
         sum += beta * planted!(light_energy(hit.radiance)) * weight;
     });
-    path.meet::<LAYERS>(sum);
+    path.meet::<LAYERS>(sum, &scene.kept);
 }
 
 fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
@@ -490,5 +516,5 @@ fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
         let weight = path.sampled.as_ref().map_or(1.0, |s| mis_weight(s.pdf, pdf));
         sum += path.beta * radiance * weight;
     });
-    path.meet::<LAYERS>(sum);
+    path.meet::<LAYERS>(sum, &scene.kept);
 }

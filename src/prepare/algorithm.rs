@@ -4,7 +4,7 @@
 //! none runs where it would find nothing.
 
 use super::Options;
-use super::casters::casts;
+use super::casters::throws;
 use super::fold::Folded;
 use crate::scene::{MaterialKind, Scene, Sides};
 
@@ -28,7 +28,8 @@ pub enum CausticsMode {
 }
 
 /// How caustics are found in a scene. A caustic is `E (D|S)* D S+ L` in Heckbert's notation: from the eye E
-/// to the light L, where S is an event without spread and D any other.
+/// to the light L; S is an event without spread, or at a material all of
+/// whose lobes are narrow (GGX widths below 0.1), and D any other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Caustics {
     /// By paths from the camera that meet a light by chance.
@@ -84,7 +85,7 @@ pub(super) fn caustics(scene: &Scene, folded: &Folded<'_>, options: &Options) ->
         return Caustics::Path;
     }
     let kind = |material: u32| &*folded.kinds[material as usize];
-    let thrown = scene.objects.iter().any(|o| casts(scene, kind(o.material.0)).is_some());
+    let thrown = scene.objects.iter().any(|o| throws(scene, kind(o.material.0)).is_some());
     let emits = |k: &MaterialKind| matches!(k.emission(), Some((_, Sides::Front | Sides::Both)));
     let lit = !scene.lights.is_empty()
         || scene.environment.is_some()

@@ -8,12 +8,12 @@
 
 use glam::Vec4;
 
-use super::algorithm::caustics;
+use super::algorithm::{Caustics, caustics};
 use super::choices::{casters, choices, unseen};
 use super::fold::{Folded, Uses, fold, has_surface};
 use super::lights::{self, effect_of};
 use super::material::{self, Numbers};
-use super::plan::{Effect, Effects, LeftOut, Need, Plan};
+use super::plan::{ASKED_FOR, Effect, Effects, LeftOut, Need, Plan};
 use super::{Options, replications};
 use crate::color::Rgb;
 use crate::scene::{AlphaMode, Camera, MaterialKind, Principled, Scene, Shape};
@@ -39,6 +39,16 @@ impl Collector {
         self.idle[effect as usize].get_or_insert_with(reason);
     }
 
+    /// The same without some effects, where `all` is what the whole scene calls for.
+    fn without(mut self, omitted: Effects, all: Self) -> Self {
+        let effects = Effect::ALL.into_iter().zip(all.needs).zip(all.idle);
+        for ((effect, asked), idle) in effects.filter(|((effect, _), _)| omitted.has(*effect)) {
+            self.needs[effect as usize] = None;
+            self.idle[effect as usize] = if asked.is_some() { Some(ASKED_FOR.to_owned()) } else { idle };
+        }
+        self
+    }
+
     fn left_out(&mut self) -> Vec<LeftOut> {
         let absent = Effect::ALL.into_iter().filter(|&e| self.needs[e as usize].is_none());
         let reason = |e: Effect| match &self.idle[e as usize] {
@@ -52,8 +62,44 @@ impl Collector {
 /// Finds what the scene calls for, and chooses how it is rendered.
 #[must_use]
 pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
+    let omitted = options.shortcuts.without;
+    let mut folded = fold(scene, Effects::EVERYTHING);
+    let mut found = collect(scene, camera, &folded);
+    if omitted.effects != Effects::default() {
+        // Materials may call for something else without them: what is pictured for all of its lobes, what is left
+        // of it for few.
+        folded = fold(scene, Effects::EVERYTHING.minus(omitted.effects));
+        found = collect(scene, camera, &folded).without(omitted.effects, found);
+    }
+    let left_out = found.left_out();
+    let needs: Vec<Need> = found.needs.into_iter().flatten().collect();
+    let casters = casters(scene, &folded);
+    let caustics = if omitted.caustics { Caustics::Path } else { caustics(scene, &folded, options) };
+    let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
+    let mut plan = Plan {
+        choices: choices(scene, &folded, &casters, caustics, pixels),
+        needs,
+        left_out,
+        unseen: unseen(scene, &folded, &casters, caustics),
+        caustics,
+        shortcuts: options.shortcuts_taken(),
+        tables: Effects::default(),
+        kernel: 0,
+        replications: replications(pixels),
+    };
+    if omitted.caustics {
+        plan.unseen.retain(|u| u.what != "caustics");
+        for choice in plan.choices.iter_mut().filter(|c| c.about == "caustics" && c.chosen != "none") {
+            (choice.chosen, choice.reason) = ("none".to_owned(), ASKED_FOR.to_owned());
+        }
+    }
+    plan.run_by(options.effects, omitted.effects);
+    plan
+}
+
+/// Collects what a scene with these materials calls for.
+fn collect(scene: &Scene, camera: &Camera, folded: &Folded<'_>) -> Collector {
     let mut found = Collector::default();
-    let folded = fold(scene, Effects::EVERYTHING);
     for object in scene.objects.iter().filter(|o| has_surface(scene, o)) {
         let Shape::Mesh(m) = object.shape else { continue };
         let mesh = &scene.meshes[m.0 as usize];
@@ -72,7 +118,7 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
             });
         }
     }
-    materials(scene, &folded, &mut found);
+    materials(scene, folded, &mut found);
     for light in &scene.lights {
         match lights::free(light) {
             Some(emitter) => found.ask(effect_of(&emitter), || format!("light \"{}\"", light.name)),
@@ -95,23 +141,7 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     if super::dummy::Dummy::asked().is_some() {
         found.ask(Effect::Dummy, || "the environment".to_owned());
     }
-    let left_out = found.left_out();
-    let needs: Vec<Need> = found.needs.into_iter().flatten().collect();
-    let casters = casters(scene, &folded);
-    let caustics = caustics(scene, &folded, options);
-    let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
-    let mut plan = Plan {
-        choices: choices(scene, &folded, &casters, caustics, pixels),
-        needs,
-        left_out,
-        unseen: unseen(scene, &folded, &casters, caustics),
-        caustics,
-        tables: Effects::default(),
-        kernel: 0,
-        replications: replications(pixels),
-    };
-    plan.run_by(options.effects);
-    plan
+    found
 }
 
 fn materials(scene: &Scene, folded: &Folded<'_>, found: &mut Collector) {

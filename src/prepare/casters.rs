@@ -1,13 +1,13 @@
 //! What throws light: the objects that photons are aimed at.
 //!
-//! A material throws light where one of its lobes has no spread. Flat objects with few faces are aimed at face
+//! A material throws light where one of its lobes has no spread, or where all of them are narrow. Flat objects with few faces are aimed at face
 //! by face, everything else by a ball around it.
 
 use glam::Vec3;
 
 use super::fold::Folded;
 use super::geometry::Flat;
-use super::material::{Numbers, darkest, has_coat};
+use super::material::{Numbers, darkest, has_coat, is_narrow};
 use crate::bsdf::SMOOTH_ALPHA;
 use crate::light::{
     Aim, LightSet, PhotonLights, Rectangle, Target, TargetShape, TriangleLight, from_triangles,
@@ -21,13 +21,13 @@ const MOST_FACES: u32 = 32;
 #[derive(Clone, Debug)]
 pub(crate) struct Casting {
     pub(crate) lights: PhotonLights,
-    /// For each material, whether it throws light.
+    /// For each material, whether it throws light ([`throws`]).
     pub(crate) casts: Vec<bool>,
 }
 
 impl Casting {
     pub(super) fn new(scene: &Scene, folded: &Folded<'_>, flat: &Flat, lights: &LightSet) -> Self {
-        let strength: Vec<_> = folded.kinds.iter().map(|k| casts(scene, k)).collect();
+        let strength: Vec<_> = folded.kinds.iter().map(|k| throws(scene, k)).collect();
         let mut targets = Vec::new();
         for (object, range) in scene.objects.iter().zip(&flat.range) {
             if let (Some(s), &Some((first, count))) = (strength[object.material.0 as usize], range) {
@@ -85,7 +85,20 @@ fn face(r: &Rectangle, strength: f32) -> Target {
     Target::flat(TargetShape::Rectangle(*r), &r.corners(), strength)
 }
 
-/// The share of light that a material throws on, roughly, (0, 1]; `None` where none of its lobes can be
+/// The share of light that a material throws on where photons look for it, roughly, (0, 1]; `None` where none of its
+/// lobes can be without spread, and one is wide.
+pub(super) fn throws(scene: &Scene, kind: &MaterialKind) -> Option<f32> {
+    let share = |p: &Principled| {
+        let metal = Numbers::from(p).metallic * p.base_color.max_channel();
+        (metal + (1.0 - p.metallic) * p.transmission).clamp(LEAST, 1.0)
+    };
+    casts(scene, kind).or_else(|| match kind {
+        MaterialKind::Principled(p) if is_narrow(kind) => Some(share(p)),
+        _ => None,
+    })
+}
+
+/// The share of light that a material throws on without spread, roughly, (0, 1]; `None` where none of its lobes can be
 /// without spread.
 pub(super) fn casts(scene: &Scene, kind: &MaterialKind) -> Option<f32> {
     match kind {

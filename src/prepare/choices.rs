@@ -4,7 +4,7 @@
 //! They are the same whatever kernel runs.
 
 use super::algorithm::Caustics;
-use super::casters::casts;
+use super::casters::{casts, throws};
 use super::fold::{Folded, has_surface};
 use super::lights::{self, effect_of};
 use super::material;
@@ -33,9 +33,10 @@ pub(super) fn choices(
 fn light_choice(scene: &Scene, folded: &Folded<'_>) -> Choice {
     let emits = |kind: &MaterialKind| kind.emission().is_some();
     let surfaces = scene.objects.iter().filter(|o| has_surface(scene, o));
+    let sky = folded.effects.has(Effect::Environment);
     let lights = surfaces.filter(|o| emits(&folded.kinds[o.material.0 as usize])).count()
-        + scene.lights.iter().filter_map(lights::free).count()
-        + scene.environment.iter().filter(|e| !lights::is_dark(scene, e)).count();
+        + scene.lights.iter().filter_map(lights::free).filter(|e| folded.effects.has(effect_of(e))).count()
+        + scene.environment.iter().filter(|e| sky && !lights::is_dark(scene, e)).count();
     let (chosen, reason) = match lights {
         0 => ("none", "there is no light".to_owned()),
         1 => ("the only one", "sampled at each hit, but on mirrors and clear glass".to_owned()),
@@ -81,11 +82,11 @@ fn means(pixels: u64) -> Choice {
     Choice { about: "replications", chosen: k.to_string(), reason: reason.to_owned() }
 }
 
-/// Materials in use that send light on in a single direction: mirrors, clear glass, clear coats. What they
-/// focus is a caustic.
+/// Materials in use that send light on in a single direction or nearly so: mirrors, clear glass, clear coats, what is
+/// hardly rough. What they focus is a caustic.
 pub(super) fn casters(scene: &Scene, folded: &Folded<'_>) -> Vec<usize> {
     (0..scene.materials.len())
-        .filter(|&i| folded.uses[i].used && casts(scene, &folded.kinds[i]).is_some())
+        .filter(|&i| folded.uses[i].used && throws(scene, &folded.kinds[i]).is_some())
         .collect()
 }
 
@@ -101,11 +102,14 @@ pub(super) fn unseen(
         return Vec::new();
     }
     let is_delta = |light: &&crate::scene::Light| {
-        lights::free(light).is_some_and(|e| effect_of(&e) == Effect::DeltaLights)
+        let points = folded.effects.has(Effect::DeltaLights);
+        points && lights::free(light).is_some_and(|e| effect_of(&e) == Effect::DeltaLights)
     };
     let spreads = |i: &usize| folded.uses[*i].used && material::spreads(&folded.kinds[*i]);
     let mut lights = scene.lights.iter().filter(is_delta);
-    let (Some(light), Some(&caster)) = (lights.next(), casters.first()) else { return Vec::new() };
+    // At what is a little rough, lights are sampled.
+    let mut smooth = casters.iter().filter(|&&i| casts(scene, &folded.kinds[i]).is_some());
+    let (Some(light), Some(&caster)) = (lights.next(), smooth.next()) else { return Vec::new() };
     if !(0..scene.materials.len()).any(|i| spreads(&i)) {
         return Vec::new();
     }
@@ -119,7 +123,7 @@ pub(super) fn unseen(
         light.name,
         more(lights.count()),
         scene.materials[caster].name,
-        more(casters.len() - 1)
+        more(smooth.count())
     );
     vec![Unseen { what: "caustics", reason }]
 }

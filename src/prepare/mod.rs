@@ -26,11 +26,13 @@ mod material;
 mod nesting;
 mod normal;
 mod plan;
+mod shortcuts;
 mod start;
 mod surface;
 mod texture;
 mod varying;
 
+pub use crate::bsdf::fresnel::Fresnel;
 pub use algorithm::{Algorithms, Caustics, CausticsMode};
 pub use analyse::analyse;
 pub use camera::{CameraRays, Seen};
@@ -40,6 +42,8 @@ pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
 pub use nesting::{Inside, Medium};
 pub use plan::{Choice, EXACT, Effect, Effects, KERNELS, KernelSet, LeftOut, Need, Plan, Unseen};
+pub(crate) use shortcuts::{Kept, Way};
+pub use shortcuts::{Omission, Omissions, Shortcut, Shortcuts, shortcuts_of};
 pub use surface::Surface;
 
 use glam::DVec3;
@@ -60,8 +64,10 @@ pub struct Options {
     pub seed: u64,
     /// Which kernel runs.
     pub effects: EffectsMode,
-    /// Cap on scattering events: 0 is emission only. None by default.
+    /// Cap on scattering events: 0 is emission only. None by default: a cap is a shortcut.
     pub max_depth: Option<u32>,
+    /// The other shortcuts; none by default.
+    pub shortcuts: Shortcuts,
     /// Whether camera rays that leave the scene see nothing, instead of what shines from there.
     pub transparent: bool,
     /// Which estimators run.
@@ -82,7 +88,7 @@ pub enum EffectsMode {
 }
 
 /// Why a scene could not be prepared.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PrepareError {
     /// No camera has the name that was asked for.
     #[error("no camera is called \"{name}\"; the scene has: {}", .known.join(", "))]
@@ -104,6 +110,16 @@ pub enum PrepareError {
         width: u32,
         /// Pixels.
         height: u32,
+    },
+    /// The number of a shortcut means nothing.
+    #[error("{shortcut}: found {found}, expected {expected}")]
+    Shortcut {
+        /// Its flag.
+        shortcut: String,
+        /// The number.
+        found: f32,
+        /// What it should be.
+        expected: &'static str,
     },
 }
 
@@ -128,6 +144,8 @@ pub struct Prepared {
     pub seed: u64,
     /// Cap on scattering events.
     pub max_depth: Option<u32>,
+    /// What shortcuts leave of each contribution of light.
+    pub(crate) kept: Kept,
     /// Whether the background counts as transparent.
     pub transparent: bool,
     /// What the camera is in.
@@ -158,10 +176,18 @@ pub fn replications(pixels: u64) -> u32 {
 /// Builds everything that the plan of `scene` calls for, and nothing else.
 ///
 /// # Errors
-/// Where the camera or the size that `options` ask for cannot be.
+/// Where the camera, the size or a shortcut that `options` ask for cannot be.
 pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareError> {
-    let camera = camera_of(scene, options)?;
-    prepare_planned(scene, options, analyse(scene, camera, options))
+    prepare_planned(scene, options, plan(scene, options)?)
+}
+
+/// The plan for what `options` ask for.
+///
+/// # Errors
+/// As [`prepare`], but for the size.
+pub fn plan(scene: &Scene, options: &Options) -> Result<Plan, PrepareError> {
+    options.check_shortcuts()?;
+    Ok(analyse(scene, camera_of(scene, options)?, options))
 }
 
 /// The same for a plan that is at hand: that of [`analyse`], or one that leaves something out on purpose.
@@ -174,9 +200,10 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
     if !side.contains(&width) || !side.contains(&height) || u64::from(width) * u64::from(height) > 1 << 28 {
         return Err(PrepareError::Size { width, height });
     }
+    options.check_shortcuts()?;
     let camera = camera_of(scene, options)?;
     let folded = fold::fold(scene, plan.tables);
-    let mut compiler = material::Compiler::new(scene);
+    let mut compiler = material::Compiler::new(scene, options.shortcuts.fresnel);
     let materials = compiler.all(&folded);
     let nesting =
         plan.tables.has(Effect::Nesting).then(|| nesting::Nesting::new(scene, &folded, &mut compiler));
@@ -209,6 +236,7 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
         size: options.size,
         seed: options.seed,
         max_depth: options.max_depth,
+        kept: Kept::new(&options.shortcuts),
         transparent: options.transparent,
         start,
         radiance_format,

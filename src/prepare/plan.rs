@@ -7,6 +7,7 @@
 
 use super::EffectsMode;
 use super::algorithm::Caustics;
+use super::shortcuts::Shortcut;
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -164,6 +165,12 @@ impl Effects {
         Self(self.0 & !(1 << effect as u8))
     }
 
+    /// The set without the effects of another.
+    #[must_use]
+    pub const fn minus(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// Whether every effect of `other` is in the set.
     #[must_use]
     pub const fn covers(self, other: Self) -> bool {
@@ -245,8 +252,11 @@ pub struct Choice {
     pub reason: String,
 }
 
+/// Why something is left out that the scene calls for.
+pub(super) const ASKED_FOR: &str = "asked for: the picture lacks it";
+
 /// What is simulated, why, by which kernel, and how.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// What the scene calls for, in the order of [`Effect::ALL`].
     pub needs: Vec<Need>,
@@ -264,6 +274,8 @@ pub struct Plan {
     pub replications: u32,
     /// How caustics are found.
     pub caustics: Caustics,
+    /// What is left out or approximated on purpose.
+    pub shortcuts: Vec<Shortcut>,
 }
 
 impl Plan {
@@ -288,7 +300,7 @@ impl Plan {
         plan.needs.retain(|n| n.effect != effect);
         if plan.needs.len() < before {
             let at = plan.left_out.iter().position(|l| l.effect > effect).unwrap_or(plan.left_out.len());
-            plan.left_out.insert(at, LeftOut { effect, reason: "asked for: the picture lacks it".into() });
+            plan.left_out.insert(at, LeftOut { effect, reason: ASKED_FOR.into() });
         }
         plan.tables = plan.tables.without(effect);
         if plan.kernel < EXACT {
@@ -297,12 +309,13 @@ impl Plan {
         plan
     }
 
-    /// Takes the kernel that was asked for, and what tables are built for it.
-    pub(super) fn run_by(&mut self, mode: EffectsMode) {
+    /// Takes the kernel that was asked for, and what tables are built for it: none for what is `omitted`, whatever
+    /// the kernel simulates.
+    pub(super) fn run_by(&mut self, mode: EffectsMode, omitted: Effects) {
         let effects = self.effects();
         (self.kernel, self.tables) = match mode {
             EffectsMode::Auto => (smallest(effects), effects),
-            EffectsMode::All => (KERNELS.len() - 1, Effects::EVERYTHING),
+            EffectsMode::All => (KERNELS.len() - 1, Effects::EVERYTHING.minus(omitted)),
             EffectsMode::Exact => (EXACT, effects),
         };
     }

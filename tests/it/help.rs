@@ -15,6 +15,7 @@ fn help_teaches() {
         "compare",
         "quote",
         "check",
+        "cost",
         "golden",
         "golden record",
         "golden verify",

@@ -11,6 +11,7 @@ mod caustics;
 mod fast;
 mod golden;
 mod naive;
+mod price;
 mod quote;
 mod report;
 mod textured;

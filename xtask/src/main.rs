@@ -2,6 +2,7 @@
 
 mod blender;
 mod calibrate;
+mod cost;
 mod gltf;
 mod golden;
 mod hard;
@@ -26,6 +27,7 @@ struct Arguments {
 enum Chore {
     Blender(blender::Arguments),
     Calibrate(calibrate::Arguments),
+    Cost(cost::Arguments),
     GltfValidate(gltf::Arguments),
     Golden(golden::Arguments),
     Hard(hard::Arguments),
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().chore {
         Chore::Blender(arguments) => blender::run(&arguments),
         Chore::Calibrate(arguments) => calibrate::run(&arguments),
+        Chore::Cost(arguments) => cost::run(&arguments),
         Chore::GltfValidate(arguments) => gltf::run(&arguments),
         Chore::Golden(arguments) => golden::run(&arguments),
         Chore::Hard(arguments) => hard::run(&arguments),

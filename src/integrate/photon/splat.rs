@@ -4,7 +4,7 @@ use super::trace::{Landing, spread};
 use crate::accel::RayKind;
 use crate::color::Rgb;
 use crate::integrate::li::{Counters, FAR_CAP, interior, medium_beyond};
-use crate::prepare::Prepared;
+use crate::prepare::{Prepared, Way};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
@@ -61,7 +61,9 @@ pub(super) fn splat(
     if let Some(medium) = medium.absorbs {
         radiance *= interior(scene, medium, photon.inside);
     }
-    Some(Splat { pixel: y * width + x, radiance })
+    let way =
+        || Way { events: photon.bounces + 1, spread: 1 + u32::from(landing.spread_before), caustic: true };
+    Some(Splat { pixel: y * width + x, radiance: scene.kept.of(radiance, way) })
 }
 
 /// The share of light from a photon that reaches the camera at `eye`.

@@ -1,8 +1,8 @@
 //! Photons on their way: from a light over mirrors and glass to what is neither.
 //!
 //! In: an address. Out: each place where a photon that was thrown by the event before lands on a surface that
-//! spreads light. A photon follows delta lobes; where it lands it may be spread once, and has to be thrown again
-//! next: its way is S+ (D S+)*.
+//! spreads light. A photon follows delta lobes, and those of materials that have none but narrow ones; where it lands it
+//! may be spread once, and has to be thrown again next: its way is S+ (D S+)*.
 //!
 //! What surfaces do is defined for light towards the camera. Let w be the direction towards the camera and wi
 //! that towards the light at one vertex. Normals that differ from the geometric one make radiance and flux
@@ -102,12 +102,14 @@ pub(super) fn walk(
         let wi = -ray.d;
         let photon = Photon { p: surface.p, wi, ng: surface.ng, power, inside, bounces };
         let landing = Landing { photon, spread_before, surface, hit, detail, index, material };
-        let lands = thrown && spreads(material, &landing.detail);
+        let lands = thrown && !material.narrow && spreads(material, &landing.detail);
         if lands {
             landed(&landing, counters);
         }
+        // Where indirect light is left out, what is spread here counts for nothing where it lands next.
+        let spreads_on = lands && !scene.kept.ends_after(1);
         // A path from the camera has these events, the next one, and one where the photon lands.
-        if !(casts || lands) || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
+        if !(casts || spreads_on) || scene.max_depth.is_some_and(|cap| bounces.saturating_add(1) >= cap) {
             return;
         }
         if bounces >= FAR_CAP {
@@ -116,9 +118,10 @@ pub(super) fn walk(
         }
 
         let u = address.block(bounces, Purpose::Bsdf, 0, 0);
-        let Some(next) = scatter(scene, &landing, lands, u) else { return };
+        let Some(next) = scatter(scene, &landing, spreads_on || material.narrow, u) else { return };
         let Scattered { w, weight, delta } = next;
-        (thrown, spread_before) = (delta, spread_before || !delta);
+        thrown = delta || material.narrow;
+        spread_before |= !thrown;
         power *= weight;
         beta *= weight;
         if material.encloses && w.dot(surface.ng) * wi.dot(surface.ng) < 0.0 {
@@ -168,8 +171,8 @@ struct Scattered {
     delta: bool,
 }
 
-/// A direction of a delta lobe, or of any other one where the photon `lands`; `None` where it ends.
-fn scatter(scene: &Prepared, landing: &Landing<'_>, lands: bool, u: [f32; 4]) -> Option<Scattered> {
+/// A direction of a delta lobe, or of any other one where the photon `may_spread`; `None` where it ends.
+fn scatter(scene: &Prepared, landing: &Landing<'_>, may_spread: bool, u: [f32; 4]) -> Option<Scattered> {
     let Landing { photon, surface, detail, material, .. } = landing;
     let (wi, ng) = (photon.wi, surface.ng);
     let normals = Normals::new(scene, landing);
@@ -182,7 +185,7 @@ fn scatter(scene: &Prepared, landing: &Landing<'_>, lands: bool, u: [f32; 4]) ->
         let Some((w, sample)) = sample else { continue };
         if !sample.delta {
             // Any normal serves to sample a lobe with a density, but only one.
-            if lands && normals.chosen(wi) == i {
+            if may_spread && normals.chosen(wi) == i {
                 let value = spread(scene, landing, w);
                 let weight = value.map(|f| f * (w.dot(ng).abs() / sample.pdf)).filter(|x| x.is_finite());
                 found[i] = weight.map(|weight| Scattered { w, weight, delta: false });
