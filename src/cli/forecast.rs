@@ -72,8 +72,8 @@ impl Forecaster {
             if let Some(mut found) = state.curve.forecast(self.target) {
                 // Of this run; what was there before took no time.
                 let own = |n: u32| n.saturating_sub(before).max(progress.passes);
-                found.samples = own(found.samples);
-                found.interval = found.interval.map(own);
+                let [low, high] = found.interval;
+                (found.samples, found.interval) = (own(found.samples), [own(low), own(high)]);
                 let quote = Quote::new(found, pass);
                 state.last = Some((quote, Instant::now()));
                 if state.quoted.is_none() {

@@ -10,6 +10,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::machine::{ErrorJson, Machine};
 use super::schema::to_json;
+use super::shortcuts::ShortcutArgs;
 use super::signal::Stop;
 use super::stated::error_line;
 use super::units::{self, show_range, show_time};
@@ -60,6 +61,9 @@ pub(super) struct QuoteArgs {
 
     #[command(flatten)]
     algorithms: AlgorithmArgs,
+
+    #[command(flatten)]
+    shortcuts: ShortcutArgs,
 
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -191,7 +195,8 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
     let advice: Vec<String> =
         alternatives.iter().map(|a| advice(a, caustic, pilot.quote(advised), advised)).collect();
     if args.json {
-        let part = |p: &EffectShare| PartJson { name: p.layer.name(), light: p.light, noise: p.noise, rays: p.rays };
+        let part =
+            |p: &EffectShare| PartJson { name: p.layer.name(), light: p.light, noise: p.noise, rays: p.rays };
         let json = QuoteJson {
             schema: "epsilux.quote/1",
             file: args.scene.scene.display().to_string(),
@@ -243,7 +248,9 @@ fn prepare(
     options.seed = args.seed;
     options.max_depth = args.max_depth.or(options.max_depth);
     options.algorithms = algorithms;
-    crate::prepare::prepare(scene, &options).map_err(|e| Failure::load(format!("{}: {e}", args.scene.scene.display())))
+    args.shortcuts.take(&mut options);
+    crate::prepare::prepare(scene, &options)
+        .map_err(|e| Failure::load(format!("{}: {e}", args.scene.scene.display())))
 }
 
 fn write_pilot(text: &mut String, pilot: &Pilot) {
@@ -252,7 +259,8 @@ fn write_pilot(text: &mut String, pilot: &Pilot) {
         n => format!("of one pixel in {n}"),
     };
     let seconds = show_time(pilot.elapsed.as_secs_f64());
-    let _ = writeln!(text, "pilot: {} samples {where_} in {seconds} on {} threads", pilot.passes, pilot.threads);
+    let _ =
+        writeln!(text, "pilot: {} samples {where_} in {seconds} on {} threads", pilot.passes, pilot.threads);
     match pilot.error.as_ref().map(error_line) {
         Some(line) => text.push_str(&format!("       {line}\n")),
         None => text.push_str("       the picture is black, or its error cannot be estimated\n"),
@@ -298,7 +306,10 @@ fn advice(other: &Alternative, caustic: Option<&EffectShare>, own: Option<Quote>
             format!("{flag} would take {other} instead of {own} for {error}")
         }
         (None, Some(other)) => {
-            format!("paths find them too rarely to say; {flag} would take {} for {error}", show_time(other.seconds))
+            format!(
+                "paths find them too rarely to say; {flag} would take {} for {error}",
+                show_time(other.seconds)
+            )
         }
         (_, None) => format!("what {flag} would take cannot be said from so few samples"),
     };

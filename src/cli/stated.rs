@@ -46,7 +46,10 @@ impl Stated {
             add("error_interval", format!("{:.3e}..{:.3e}", e.interval[0], e.interval[1]));
             add("error_trusted", e.trusted.to_string());
             if let Some(tail) = e.tail {
-                add("error_tail", format!("{:.3e} of the samples, {:.3e} of the light", tail.samples, tail.light));
+                add(
+                    "error_tail",
+                    format!("{:.3e} of the samples, {:.3e} of the light", tail.samples, tail.light),
+                );
             }
         }
         list

@@ -120,7 +120,8 @@ impl Film {
         let k = self.layout.replications as usize;
         let format = self.layout.radiance;
         // The means of the replications of all pixels, and where those of each begin.
-        let (mut means, mut ends) = (Vec::with_capacity(self.counts.len()), Vec::with_capacity(self.pixels()));
+        let (mut means, mut ends) =
+            (Vec::with_capacity(self.counts.len()), Vec::with_capacity(self.pixels()));
         for (sums, counts) in self.sums.chunks(k).zip(self.counts.chunks(k)) {
             let before = means.len();
             for (sums, &n) in sums.iter().zip(counts).filter(|(_, n)| **n > 0) {
@@ -137,11 +138,10 @@ impl Film {
             begins.zip(&ends).map(|(begin, &end)| &means[begin..end])
         };
         let total: f64 = pixels().map(|m| pooled(m).0).sum();
-        let c = FLOOR * total / ends.len() as f64;
-        // Not a number where there are no pixels.
-        if !(c > 0.0) {
+        if total <= 0.0 {
             return None;
         }
+        let c = FLOOR * total / ends.len() as f64;
         Some(Squares { of_pixels: pixels().map(|m| relative_variance(m, c) as f32).collect() })
     }
 }

@@ -69,8 +69,8 @@ impl Film {
         let layers = usize::from(layout.layers);
         let of_pixel = COUNT + features * (FEATURES * width + IDS) + layers * (3 * LAYERS * width + COUNT);
         let of_cell = (3 + usize::from(layout.layer_noise) * LAYERS) * width + COUNT;
-        let expected = 1 + cells * of_cell as u128 + pixels * of_pixel as u128
-            + (Octaves::BYTES + REFUSED) as u128;
+        let expected =
+            1 + cells * of_cell as u128 + pixels * of_pixel as u128 + (Octaves::BYTES + REFUSED) as u128;
         if expected != bytes.len() as u128 {
             return Err(StateError::Length { found: bytes.len(), expected });
         }

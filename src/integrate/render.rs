@@ -10,7 +10,7 @@ use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
 use super::li::{Counters, first_surface};
 use super::photon::{PhotonMap, Tracer};
-use crate::film::{ErrorEstimate, Features, Squares, Film, FilmLayout, Refusal, Sample};
+use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample, Squares};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};

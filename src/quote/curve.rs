@@ -80,7 +80,8 @@ impl Curve {
         let last = self.passes();
         let used = |p: &&Point| p.passes >= FEWEST.min(last) && p.passes >= last / BACK;
         let of = |p: &Point| {
-            let sums = p.groups.iter().zip(weights).fold((0.0, 0.0), |s, (g, w)| (s.0 + w * g.0, s.1 + w * g.1));
+            let sums =
+                p.groups.iter().zip(weights).fold((0.0, 0.0), |s, (g, w)| (s.0 + w * g.0, s.1 + w * g.1));
             (f64::from(p.passes), sums.0 / sums.1)
         };
         self.points.iter().filter(used).map(of).filter(|(_, e2)| *e2 > 0.0).collect()

@@ -72,14 +72,13 @@ fn solve(rows: &[[f64; 3]], terms: &[usize]) -> Option<Law> {
         let pivot = (i..k).max_by(|&a, &b| m[a][i].abs().total_cmp(&m[b][i].abs()))?;
         m.swap(i, pivot);
         // Fewer points than terms, or all at one n.
-        if !(m[i][i].abs() > 1e-9) {
+        if m[i][i].is_nan() || m[i][i].abs() <= 1e-9 {
             return None;
         }
-        for j in (0..k).filter(|&j| j != i) {
-            let f = m[j][i] / m[i][i];
-            for c in i..=k {
-                m[j][c] -= f * m[i][c];
-            }
+        let row = m[i];
+        for (_, other) in m.iter_mut().take(k).enumerate().filter(|&(j, _)| j != i) {
+            let f = other[i] / row[i];
+            other.iter_mut().zip(row).for_each(|(x, y)| *x -= f * y);
         }
     }
     let mut law = Law::default();

@@ -40,7 +40,10 @@ fn photons_are_tried() {
     let caustic = scene("caustic.toml");
     let line = format!("quote {} --size 32x32 --rays 200000 --error 20%", caustic.display());
     let said = folder.done(&line).out;
-    assert!(said.lines().any(|l| l.starts_with("caustics:") && l.contains("--algorithm caustics=photon")), "{said}");
+    assert!(
+        said.lines().any(|l| l.starts_with("caustics:") && l.contains("--algorithm caustics=photon")),
+        "{said}"
+    );
     let said = folder.done(&format!("{line} --algorithm caustics=photon")).out;
     assert!(!said.lines().any(|l| l.starts_with("caustics:")), "{said}");
 }
@@ -69,5 +72,8 @@ fn few_samples_are_told() {
     let keyhole = scene("../fixtures/misleading/keyhole.toml");
     let said = folder.done(&format!("render {} --spp 64 -o a.exr", keyhole.display())).err;
     let line = said.lines().find(|l| l.starts_with("error ")).unwrap_or_else(|| panic!("{said}"));
-    assert_eq!(line, "error above 25.0 %, not trustworthy yet: 0.000763 % of the samples carry 9 % of the light");
+    assert_eq!(
+        line,
+        "error above 25.0 %, not trustworthy yet: 0.000763 % of the samples carry 9 % of the light"
+    );
 }

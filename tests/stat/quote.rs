@@ -28,9 +28,11 @@ fn pilot_of(scene: &Prepared, rays: u64) -> Pilot {
 #[test]
 fn renders_stop_where_they_were_quoted_to() {
     let (mut near, mut held, mut runs) = (0, 0, Vec::new());
-    for (name, text, error, rays) in
-        [("cornell", CORNELL, 0.06, 150_000), ("penumbra", PENUMBRA, 0.02, 60_000), ("sheen", SHEEN, 0.04, 150_000)]
-    {
+    for (name, text, error, rays) in [
+        ("cornell", CORNELL, 0.06, 150_000),
+        ("penumbra", PENUMBRA, 0.02, 60_000),
+        ("sheen", SHEEN, 0.04, 150_000),
+    ] {
         for i in 0..6 {
             let scene = prepared(text, 32, &format!("quote {name} {i}"));
             let quote = pilot_of(&scene, rays).quote(error).expect("a pilot that can be trusted");
@@ -55,8 +57,8 @@ fn some_pixels_speak_for_all() {
     assert_eq!((some.every, some.passes), (4, 16));
     let whole = render(&scene, &RenderOptions::passes(0..16), &Quiet).expect("passes").film.error();
     let (some, whole) = (some.error.expect("an error"), whole.expect("an error"));
-    let width = |e: &epsilux::film::ErrorEstimate| (e.interval[1] / e.error).ln();
-    let apart = (some.error / whole.error).ln().abs();
+    let width = |e: &epsilux::film::ErrorEstimate| libm::log(e.interval[1] / e.error);
+    let apart = libm::log(some.error / whole.error).abs();
     // Intervals are 1.96 standard errors.
-    assert!(apart < 1.5 * width(&some).hypot(width(&whole)), "{some:?} {whole:?}");
+    assert!(apart < 1.5 * libm::hypot(width(&some), width(&whole)), "{some:?} {whole:?}");
 }

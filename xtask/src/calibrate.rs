@@ -78,7 +78,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
                 Some(found) => found,
                 None => bench.measure(case, i, &key)?,
             };
-            let mut run = Run::from_json(&found).ok_or_else(|| format!("{key}: the result cannot be read"))?;
+            let mut run =
+                Run::from_json(&found).ok_or_else(|| format!("{key}: the result cannot be read"))?;
             if arguments.quotes {
                 let key = format!("quote {key}");
                 let found = match known.remove(&key) {

@@ -105,7 +105,8 @@ impl Quotes {
         let reached = || runs.iter().filter(|r| r.trusted && r.error <= target);
         let pairs: Vec<(&Run, &Quoted)> = reached().filter_map(|r| Some((r, r.quoted.as_ref()?))).collect();
         let count = |of: &dyn Fn(&Run, &Quoted) -> bool| pairs.iter().filter(|(r, q)| of(r, q)).count();
-        let middle = |of: &dyn Fn(&Run, &Quoted) -> f64| median(pairs.iter().map(|(r, q)| of(r, q)).collect());
+        let middle =
+            |of: &dyn Fn(&Run, &Quoted) -> f64| median(pairs.iter().map(|(r, q)| of(r, q)).collect());
         (!pairs.is_empty()).then(|| Self {
             given: pairs.len(),
             runs: reached().count(),
@@ -196,7 +197,8 @@ pub(super) fn totals(rows: &[Row]) -> String {
         let (held, runs) = (sum(|r| r.held), sum(|r| r.runs));
         format!("{name}: {held} of {runs} intervals hold the truth, {:.1} %", share(held, runs))
     };
-    [of("all honest scenes", &[Kind::Tuned, Kind::Unseen]), of("those not tuned on", &[Kind::Unseen])].join("\n")
+    [of("all honest scenes", &[Kind::Tuned, Kind::Unseen]), of("those not tuned on", &[Kind::Unseen])]
+        .join("\n")
 }
 
 /// What is wanted and is not so.
