@@ -32,6 +32,7 @@ pub mod part;
 pub mod pilot;
 pub mod prepare;
 pub mod price;
+pub mod quote;
 mod rare;
 pub mod report;
 pub mod sampling;

@@ -55,6 +55,7 @@ pub(super) enum Command {
     Convert(ConvertArgs),
     Compare(CompareArgs),
     Merge(MergeArgs),
+    Quote(super::quote::QuoteArgs),
     Check(CheckArgs),
     Cost(super::cost::CostArgs),
     Golden(super::golden::GoldenArgs),

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Code;
@@ -11,6 +12,7 @@ use super::compare::unusable;
 use super::console::Console;
 use super::explain::{self, Record};
 use super::failure::Failure;
+use super::forecast::{Forecaster, Quoted};
 use super::load::{self, Loaded};
 use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_line, report_path};
 use super::notes;
@@ -132,7 +134,7 @@ pub(super) fn default_samples(scene: &Scene) -> u32 {
 pub(super) struct Job {
     scene_name: String,
     pub(super) outputs: Vec<PathBuf>,
-    prepare: prepare::Options,
+    pub(super) prepare: prepare::Options,
     camera: String,
     /// Samples per pixel, at most.
     pub(super) passes: u32,
@@ -171,6 +173,8 @@ struct Rendered {
     counters: Option<Counters>,
     refused: u64,
     bad: Vec<BadSample>,
+    /// What was foreseen of it.
+    quoted: Option<Quoted>,
 }
 
 impl Rendered {
@@ -187,6 +191,7 @@ impl Rendered {
             counters: Some(outcome.counters),
             refused: outcome.film.refused_total(),
             bad: outcome.bad,
+            quoted: None,
         }
     }
 }
@@ -288,7 +293,12 @@ impl Job {
         if !self.quiet {
             notes::show(&notes, self.verbose, console);
         }
-        let watch = Watch { display: Display::new(self.progress, self.quiet, console), stop: Stop::listen() };
+        let watch = Watch {
+            display: Display::new(self.progress, self.quiet, console),
+            stop: Stop::listen(),
+            forecaster: self.error.map(Forecaster::new),
+            before: AtomicU32::new(0),
+        };
         if self.method != Method::Default && scene.settings.indirect_gain.is_some_and(|gain| gain != 1.0) {
             let message = format!("--method {} does not amplify indirect light", self.method_name());
             let (place, effect) = ("render.indirect_gain".to_owned(), NoteEffect::Differs);
@@ -316,6 +326,7 @@ impl Job {
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
+        rendered.quoted = watch.forecaster.as_ref().and_then(Forecaster::quoted);
         rendered.image.attributes =
             rendered.stated.attributes(&self.identity(&rendered.plan, &hash, &rendered.prices)?);
         keep_layers(&mut rendered.image, &self.aovs);
@@ -411,6 +422,7 @@ impl Job {
             error: self.error,
             threads: self.threads,
             crop: self.crop,
+            every: 1,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
             layer_noise: false,
@@ -425,6 +437,7 @@ impl Job {
                 Saver::open(checkpoint, found, &identity, screen, &options.passes, every, console)?;
             if let Some(part) = saved {
                 options.passes.start = part.passes.last().map_or(self.first, |r| r.end);
+                watch.before.store(options.passes.start, Ordering::Relaxed);
                 film = part.film;
             }
             saver = Some(opened);
@@ -530,6 +543,7 @@ impl Job {
             counters: None,
             refused: 0,
             bad: Vec::new(),
+            quoted: None,
         })
     }
 
@@ -600,6 +614,7 @@ impl Job {
             passes: rendered.stated.passes.first().map_or([0, 0], |r| [r.start, r.end]),
             partial: rendered.stated.partial,
             error: rendered.stated.error.map(ErrorJson::from),
+            quoted: rendered.quoted,
             stopped_by_signal,
             seconds,
             threads: rendered.threads,
@@ -645,6 +660,9 @@ impl Job {
                 line += &format!("; {} was asked for", show_share(target));
             }
             console.message(&line);
+        }
+        if let Some(quoted) = rendered.quoted.filter(|_| rendered.reached) {
+            console.message(&quoted.beside(seconds.render));
         }
         if rendered.stated.partial {
             console.message("note: not one sample of every pixel is done; the picture is partial");

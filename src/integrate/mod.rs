@@ -19,12 +19,13 @@ mod roulette;
 mod scatter;
 
 pub(crate) use direct::mis_weight;
+pub use drive::is_looked_at;
 pub use kernels::{Kernel, LiFn, kernel};
 pub use li::{Counters, Layers};
 pub(crate) use photon::{Radius, photons};
 pub(crate) use probe::{Probe, Probed};
 pub use render::{
-    BadSample, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, layout, render,
+    BadSample, Busy, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, layout, render,
     render_onto, replay,
 };
 pub(crate) use roulette::survive;

@@ -13,5 +13,6 @@ mod fast;
 mod golden;
 mod naive;
 mod price;
+mod quote;
 mod report;
 mod textured;
