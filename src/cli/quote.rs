@@ -18,6 +18,7 @@ use super::units::{self, show_range, show_time};
 use super::{Code, load, render};
 use crate::film::LightLayer;
 use crate::integrate::{Control, RenderOptions};
+use crate::pilot::{self as pilots, Asked};
 use crate::prepare::{Algorithms, Caustics, CausticsMode, Prepared};
 use crate::quote::{EffectShare, Pilot, Quote, RAYS, pilot};
 use crate::scene::{Camera, Scene};
@@ -250,7 +251,8 @@ fn prepare(
     options.max_depth = args.max_depth.or(options.max_depth);
     options.algorithms = algorithms;
     args.shortcuts.take(&mut options);
-    crate::prepare::prepare(scene, &options)
+    let asked = Asked { threads: args.threads, ..Asked::default() };
+    pilots::prepare(scene, &options, &asked)
         .map_err(|e| Failure::load(format!("{}: {e}", args.scene.scene.display())))
 }
 

@@ -6,7 +6,7 @@
 //! whatever kernel runs; pruning (kernels, tables) changes nothing: a test compares bytes.
 
 use super::EffectsMode;
-use super::algorithm::Caustics;
+use super::algorithm::{Algorithms, Caustics, CausticsMode};
 use super::shortcuts::Shortcut;
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
@@ -289,6 +289,23 @@ impl Plan {
     #[must_use]
     pub fn effects(&self) -> Effects {
         Effects(self.needs.iter().fold(0, |bits, n| bits | 1 << n.effect as u8))
+    }
+
+    /// What asks for the choices of this plan, so that none is left to a pilot.
+    #[must_use]
+    pub fn algorithms(&self) -> Algorithms {
+        let (caustics, unbiased) = match self.caustics {
+            Caustics::Path => (CausticsMode::Path, false),
+            Caustics::Traced => (CausticsMode::Photon, true),
+            Caustics::Photon => (CausticsMode::Photon, false),
+        };
+        Algorithms {
+            caustics,
+            unbiased,
+            light_samples: Some(self.light_samples),
+            split: Some(self.split),
+            roulette: Some(self.roulette),
+        }
     }
 
     /// The kernel that runs.
