@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::doubt::DoubtJson;
+use super::forecast::Quoted;
 use super::notes::NoteJson;
 use super::shortcuts::PricedJson;
 use crate::film::ErrorEstimate;
@@ -31,6 +32,8 @@ pub(super) struct Report<'a> {
     pub(super) passes: [u32; 2],
     pub(super) partial: bool,
     pub(super) error: Option<ErrorJson>,
+    /// What was foreseen of the render while it ran, where an error was asked for.
+    pub(super) quoted: Option<Quoted>,
     pub(super) stopped_by_signal: bool,
     pub(super) seconds: Seconds,
     pub(super) threads: usize,
@@ -54,15 +57,31 @@ pub(super) struct ErrorJson {
     error: f64,
     interval: [f64; 2],
     trusted: bool,
-    /// Why not.
+    /// How many pixels carry it.
+    pixels: f64,
+    tail: Option<TailJson>,
+    /// Why it cannot be trusted.
     doubt: Option<DoubtJson>,
+}
+
+/// Few samples that carry much of the light: shares of both.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct TailJson {
+    samples: f64,
+    light: f64,
 }
 
 impl ErrorJson {
     /// Of a picture whose lights are told apart by these names.
     pub(super) fn new(e: &ErrorEstimate, lights: &[String]) -> Self {
-        let doubt = e.doubt.as_ref().map(|d| DoubtJson::new(d, lights));
-        Self { error: e.error, interval: e.interval, trusted: e.trusted, doubt }
+        Self {
+            error: e.error,
+            interval: e.interval,
+            trusted: e.trusted,
+            pixels: e.effective_pixels,
+            tail: e.tail.map(|t| TailJson { samples: t.samples, light: t.light }),
+            doubt: e.doubt.as_ref().map(|d| DoubtJson::new(d, lights)),
+        }
     }
 }
 

@@ -8,6 +8,9 @@ use crate::film::{Doubt, ErrorEstimate, Film};
 use crate::integrate::Outcome;
 use crate::part::Identity;
 
+/// Share of the light from which on it is said that few samples carry it.
+const TELLING: f64 = 0.02;
+
 /// What a picture is of, and how good it is, beside its identity.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Stated {
@@ -48,24 +51,43 @@ impl Stated {
             if let Some(doubt) = &e.doubt {
                 add("error_doubt", words(doubt, &self.lights));
             }
+            if let Some(tail) = e.tail {
+                add(
+                    "error_tail",
+                    format!("{:.3e} of the samples, {:.3e} of the light", tail.samples, tail.light),
+                );
+            }
         }
         list
     }
 
-    /// A line about the error, and how sure it is; `None` where nothing can be said of it.
+    /// [`error_line`] of its error.
     pub(super) fn error_line(&self) -> Option<String> {
-        let found = self.error?;
-        let [low, high] = found.interval.map(show_share);
-        Some(match &found.doubt {
-            None => format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error)),
-            Some(doubt @ Doubt::TooNoisy) => {
-                let noisiest = show_share(ErrorEstimate::NOISIEST);
-                format!("error above {noisiest}: {}", words(doubt, &self.lights))
-            }
-            Some(doubt) => {
-                let error = show_share(found.error);
-                format!("error {error}, not trustworthy yet: {}", words(doubt, &self.lights))
-            }
-        })
+        self.error.as_ref().map(|found| error_line(found, &self.lights))
+    }
+}
+
+/// A line about an error, and how sure it is; `lights` are the names of the lights that are told apart.
+pub(super) fn error_line(found: &ErrorEstimate, lights: &[String]) -> String {
+    let [low, high] = found.interval.map(show_share);
+    // What few samples carry is the reason where it is much.
+    let tail = found.tail.filter(|t| t.light >= TELLING).map(|t| {
+        format!("{} of the samples carry {:.0} % of the light", show_share(t.samples), 100.0 * t.light)
+    });
+    let noisy = found.error > ErrorEstimate::NOISIEST;
+    let error = if noisy {
+        format!("error above {}", show_share(ErrorEstimate::NOISIEST))
+    } else {
+        format!("error {}", show_share(found.error))
+    };
+    match (&found.doubt, tail) {
+        (None, _) => format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error)),
+        // What is missing says more than that something may be.
+        (Some(doubt @ Doubt::LightNotFound { .. }), _) => {
+            format!("{error}, not trustworthy yet: {}", words(doubt, lights))
+        }
+        (_, Some(tail)) => format!("{error}, not trustworthy yet: {tail}"),
+        (Some(doubt @ Doubt::TooNoisy), None) => format!("{error}: {}", words(doubt, lights)),
+        (Some(doubt), None) => format!("{error}, not trustworthy yet: {}", words(doubt, lights)),
     }
 }

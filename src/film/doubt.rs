@@ -15,6 +15,7 @@
 //! is passed over.
 
 use super::cross::{Level, relative};
+use super::error::FLOOR;
 use super::{ErrorEstimate, Film, LIGHT_CLASSES};
 
 /// Chance that sound paths are doubted, at most.
@@ -102,12 +103,11 @@ impl Film {
     /// empty where no photons were traced, or where a pixel has samples of fewer than two replications.
     #[must_use]
     pub fn cross_cells(&self) -> Vec<CrossCell> {
-        let shown = self.shown();
-        if shown.len() == self.pixels() { self.cells_of(&shown) } else { Vec::new() }
-    }
-
-    fn cells_of(&self, shown: &[Shown]) -> Vec<CrossCell> {
         let Some(cross) = self.cross.as_ref().filter(|x| x.traced > 0) else { return Vec::new() };
+        let shown = self.shown();
+        if shown.is_empty() {
+            return Vec::new();
+        }
         let [left, top, width, height] = self.layout.crop;
         let size = [width, height];
         let (fine, traced) = (Level::fine(size), cross.traced as f64);
@@ -131,7 +131,7 @@ impl Film {
                 }
             };
             let mut cells: Vec<CrossCell> = (0..level.len()).map(cell).collect();
-            for (i, s) in (0..).zip(shown) {
+            for (i, s) in (0..).zip(&shown) {
                 let cell = &mut cells[level.cell(i % width, i / width)];
                 cell.luminance += s.luminance;
                 cell.variance += s.variance;
@@ -148,10 +148,10 @@ impl Film {
         all
     }
 
-    /// Light that photons bring and paths did not find; `shown` is by pixel, `error` the estimate of the picture's
-    /// error, and `c` what is added to its denominators.
-    pub(super) fn light_not_found(&self, shown: &[Shown], error: f64, c: f64) -> Option<Doubt> {
-        let cells = self.cells_of(shown);
+    /// Light that photons bring and paths did not find, beside the estimate of the picture's error.
+    pub(super) fn light_not_found(&self, error: f64) -> Option<Doubt> {
+        let cells = self.cross_cells();
+        let c = FLOOR * cells.last()?.luminance / self.pixels() as f64;
         let seen = |&k: &usize| cells.iter().any(|c| c.by_class[k].photons > 0.0);
         let classes: Vec<usize> = (0..LIGHT_CLASSES).filter(seen).collect();
         let tests = (cells.len() * (classes.len() + 1)) as f64;

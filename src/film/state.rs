@@ -1,10 +1,11 @@
 //! A film as bytes, and back, exactly.
 //!
 //! In: a film. Out: its sums as integers of the fewest bytes that hold the largest, little-endian, after one
-//! byte that says how many. What the bytes mean is in the layout, which whoever stores them keeps too.
+//! byte that says how many; then counts and the like in integers of their own. What the bytes mean is in the layout, which whoever stores them keeps too.
 
 use super::cross::{LIGHT_CLASSES, Level};
 use super::sums::{FEATURES, Film, FilmLayout, LAYERS};
+use super::tail::Octaves;
 
 /// Why bytes are not those of a film with a layout.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -53,6 +54,7 @@ impl Film {
         }
         self.layers.iter().flat_map(|l| &l.brightest).for_each(|v| put(v.to_bits()));
         self.cross.iter().flat_map(|c| &c.tiles).for_each(|&n| put(n));
+        bytes.extend(self.octaves.to_bytes());
         for n in self.cross.iter().map(|c| c.traced).chain(self.refused) {
             bytes.extend_from_slice(&n.to_le_bytes());
         }
@@ -76,7 +78,8 @@ impl Film {
         let of_pixel = COUNT + features * (FEATURES * width + IDS) + layers * (3 * LAYERS * width + COUNT);
         let of_cross = if layout.cross { cross_bytes(&layout, width) } else { 0 };
         let of_cell = (3 + usize::from(layout.layer_noise) * LAYERS) * width + COUNT;
-        let expected = 1 + cells * of_cell as u128 + pixels * of_pixel as u128 + of_cross + REFUSED as u128;
+        let rest = (Octaves::BYTES + REFUSED) as u128;
+        let expected = 1 + cells * of_cell as u128 + pixels * of_pixel as u128 + of_cross + rest;
         if expected != bytes.len() as u128 {
             return Err(StateError::Length { found: bytes.len(), expected });
         }
@@ -102,6 +105,7 @@ impl Film {
         film.features.iter_mut().flat_map(|f| &mut f.ids).for_each(|i| *i = (number(), [number(), number()]));
         film.layers.iter_mut().flat_map(|l| &mut l.brightest).for_each(|v| *v = f32::from_bits(number()));
         film.cross.iter_mut().flat_map(|c| &mut c.tiles).for_each(|n| *n = number());
+        film.octaves = Octaves::from_bytes(take(Octaves::BYTES));
         let traced = film.cross.iter_mut().map(|c| &mut c.traced);
         traced
             .chain(&mut film.refused)
@@ -176,7 +180,7 @@ mod tests {
             }
             let bytes = film.to_bytes();
             assert_eq!(Film::from_bytes(layout.clone(), &bytes), Ok(film));
-            for cut in 0..bytes.len() {
+            for cut in (0..bytes.len()).filter(|c| *c < 200 || c % 97 == 0 || *c + 200 > bytes.len()) {
                 Film::from_bytes(layout.clone(), &bytes[..cut]).expect_err("cut");
             }
             let other = FilmLayout { crop: [0, 0, u32::MAX, u32::MAX], ..layout };

@@ -28,7 +28,7 @@ pub(crate) fn mis_weight(own: f32, other: f32) -> f32 {
     }
 }
 
-/// Radiance scattered from one sampled light, unweighted by the throughput, and which light it is; `media` are those on the side
+/// Radiance scattered from one of `samples` sampled lights, unweighted by the throughput, and which light it is; `media` are those on the side
 /// of the surface that is seen, and on the other.
 #[inline(always)]
 pub(super) fn direct_light<const FX: u32>(
@@ -38,12 +38,13 @@ pub(super) fn direct_light<const FX: u32>(
     context: &LightContext,
     media: [Medium; 2],
     u: [f32; 4],
+    samples: f32,
     counters: &mut Counters,
 ) -> Option<(Rgb, LightId)> {
     let fx = scene.simulated::<FX>();
     let light = scene.lights.sample(context, [u[0], u[1], u[2]])?;
     let (f, pdf) = scatter::f_and_pdf(fx, bsdf, frame, light.wi, Transport::Radiance)?;
-    let weight = if light.delta { 1.0 } else { mis_weight(light.pdf, pdf) };
+    let weight = if light.delta { 1.0 } else { mis_weight(samples * light.pdf, pdf) };
     let cos = planted!(cosine_dropped(light.wi.dot(frame.ns()).abs()));
     let mut ld = f * light.weight * (cos * weight);
     if (fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy))

@@ -30,6 +30,8 @@ pub(crate) struct Photons {
     pub(crate) everywhere: PhotonLights,
     /// Radius of a ball around most of what is in view, metres.
     pub(crate) view: f32,
+    /// Middle and radius of a ball around everything.
+    all: (DVec3, f64),
 }
 
 /// Rows and columns of the camera rays that tell what is in view.
@@ -44,12 +46,20 @@ impl Photons {
     pub(super) fn new(
         casting: Casting,
         lights: &LightSet,
-        (middle, radius): (DVec3, f64),
+        all: (DVec3, f64),
         accel: &Accel,
         camera: &CameraRays,
         size: [u32; 2],
     ) -> Self {
-        let middle = middle.as_vec3();
+        let everywhere = PhotonLights::new(lights, Aim::default(), all.1);
+        let mut photons = Self { casting, everywhere, view: 0.0, all };
+        photons.aim(lights, accel, camera, size);
+        photons
+    }
+
+    /// Aims those that go everywhere at what a camera sees.
+    pub(super) fn aim(&mut self, lights: &LightSet, accel: &Accel, camera: &CameraRays, size: [u32; 2]) {
+        let (middle, radius) = (self.all.0.as_vec3(), self.all.1);
         let rounding = f64::from(middle.abs().max_element()) * f64::from(gamma(8));
         // From inside of a target that holds everything, light leaves as it is emitted.
         let all = (radius * 1.000_01 + rounding) as f32;
@@ -57,8 +67,8 @@ impl Photons {
         let view = view(accel, camera, size).filter(|b| b.radius > 0.0 && b.radius < all);
         // As many of those that are parallel go to both.
         targets.extend(view.map(|b| Target::ball(b.center, b.radius, sqr(all / b.radius))));
-        let view = view.map_or(all, |b| b.radius);
-        Self { casting, everywhere: PhotonLights::new(lights, Aim::new(targets), radius), view }
+        self.view = view.map_or(all, |b| b.radius);
+        self.everywhere = PhotonLights::new(lights, Aim::new(targets), radius);
     }
 }
 

@@ -73,8 +73,7 @@ pub struct Price {
     /// The same of each part of the light, relative to all light of the full picture; they add up to `bias`.
     pub layers: Vec<(LightLayer, Estimate)>,
     /// The root of the mean over pixels of (B - R)^2 / (R^2 + c^2), B being what the short picture converges to, R what
-    /// the full one does, in the denominator over blocks of 4x4 pixels, and c a tenth of the mean of R: as the error of a
-    /// picture, but of bias alone.
+    /// the full one does, and c a tenth of the mean of R: as the error of a picture, but of bias alone.
     pub error: Estimate,
     /// Rays of the short render over those of the full one, for as many samples.
     pub work: f64,

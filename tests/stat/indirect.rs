@@ -57,10 +57,10 @@ fn check(
     [photons, paths]: [u32; 2],
     [bias, bound]: [f64; 2],
 ) {
-    let algorithms = |indirect| Algorithms { caustics, indirect, ..Algorithms::default() };
+    let algorithms = |indirect| Algorithms { caustics, indirect, ..Algorithms::PATHS };
     let by_paths = means(name, scene, algorithms(Indirect::Path), 0..paths);
     let early = means(name, scene, algorithms(Indirect::Photon), 0..photons);
-    const LATE: u32 = 1 << 14;
+    const LATE: u32 = 512;
     let late = means(name, scene, algorithms(Indirect::Photon), LATE..LATE + photons);
     let limit = sidak_each(ALPHA, late.len());
     let mut wrong = String::new();
@@ -98,9 +98,9 @@ fn file(text: &str) -> Scene {
 #[test]
 fn diffuse_rooms() {
     let cornell = file(include_str!("../../scenes/cornell.toml"));
-    check("cornell", &cornell, CausticsMode::Path, [24, 128], [0.003, 0.03]);
+    check("cornell", &cornell, CausticsMode::Path, [128, 160], [0.004, 0.03]);
     let hexroom = file(include_str!("../../scenes/hexroom-diffuse.toml"));
-    check("hexroom-diffuse", &hexroom, CausticsMode::Path, [24, 128], [0.003, 0.03]);
+    check("hexroom-diffuse", &hexroom, CausticsMode::Path, [128, 160], [0.004, 0.03]);
 }
 
 /// Guards glossy and layered materials, mirrors and glass on the way to the map and from it.
@@ -108,7 +108,7 @@ fn diffuse_rooms() {
 fn materials() {
     let mut scene = file(include_str!("../../scenes/materials.toml"));
     scene.settings.max_depth = None;
-    check("materials", &valid(&scene), CausticsMode::Path, [24, 128], [0.005, 0.06]);
+    check("materials", &valid(&scene), CausticsMode::Path, [96, 128], [0.006, 0.06]);
 }
 
 /// Guards each way that has a caustic in it: with a map of caustics beside, and without.
@@ -116,13 +116,13 @@ fn materials() {
 fn caustics_beside() {
     let mut hexroom = file(include_str!("../../scenes/hexroom.toml"));
     enlarge(&mut hexroom, "light", 4.8);
-    check("hexroom", &hexroom, CausticsMode::Path, [24, 128], [0.005, 0.06]);
-    check("hexroom, both by photons", &hexroom, CausticsMode::Photon, [24, 24], [0.005, 0.04]);
+    check("hexroom", &hexroom, CausticsMode::Path, [96, 128], [0.006, 0.06]);
+    check("hexroom, both by photons", &hexroom, CausticsMode::Photon, [96, 48], [0.006, 0.06]);
 }
 
 /// Guards absorption, textures and every kind of light.
 #[test]
 fn everything_at_once() {
     let scene = valid(&features::everything());
-    check("everything", &scene, CausticsMode::Photon, [48, 96], [0.01, 0.2]);
+    check("everything", &scene, CausticsMode::Photon, [128, 96], [0.03, 0.2]);
 }

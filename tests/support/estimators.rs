@@ -98,10 +98,10 @@ impl Estimators<'_> {
     pub(crate) fn compare(&self) -> Result<String, String> {
         let base = options(self.size, seed(self.name), self.max_depth);
         let photon =
-            Algorithms { caustics: CausticsMode::Photon, unbiased: self.unbiased, ..Algorithms::default() };
+            Algorithms { caustics: CausticsMode::Photon, unbiased: self.unbiased, ..Algorithms::PATHS };
         let plan = if self.unbiased { Caustics::Traced } else { Caustics::Photon };
         let a = means(self.scene, &base, photon, self.runs, self.samples[0], plan);
-        let path = Algorithms::default();
+        let path = Algorithms::PATHS;
         let b = means(self.scene, &base, path, self.runs, self.samples[1], Caustics::Path);
         judge(self.name, &a, &b, self.bound, self.bias)
     }

@@ -52,7 +52,7 @@ const CHUNK: u32 = 4096;
 
 /// Photons of one pass of a picture of this many pixels: one for each, so that neither tracing them nor
 /// looking them up outweighs the paths.
-fn photons(pixels: u64) -> u32 {
+pub(crate) fn photons(pixels: u64) -> u32 {
     pixels.min(MOST_PHOTONS) as u32
 }
 
@@ -67,6 +67,34 @@ const INDIRECT_RADIUS: f32 = 1.0 / 40.0;
 
 /// Where there are many photons, disks are so small that they hold about this many, if photons lie everywhere alike.
 const INDIRECT_GATHERED: f32 = 10.0;
+
+/// How wide the disks are that photons are gathered from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Radius {
+    /// Factor on the radius of the first pass.
+    pub(crate) factor: f32,
+    /// Width of the pixels that radii are measured in, in those of the picture.
+    pub(crate) pixel: f32,
+}
+
+impl Radius {
+    /// That of a pass.
+    pub(crate) fn of(pass: u32) -> Self {
+        Self { factor: map::radius_scale(pass), pixel: 1.0 }
+    }
+
+    /// The mean over so many passes of a power of the factor.
+    pub(crate) fn mean_power(passes: u32, exponent: f64) -> f64 {
+        let mut square = 1.0;
+        let powers = (0..passes).map(|pass| {
+            if pass > 0 {
+                square *= map::shrink(pass);
+            }
+            libm::pow(square, 0.5 * exponent)
+        });
+        powers.sum::<f64>() / f64::from(passes.max(1))
+    }
+}
 
 /// Traces the photons of passes.
 pub(super) struct Tracer<'a> {
@@ -106,6 +134,12 @@ impl<'a> Tracer<'a> {
         };
         let photons = scene.photons().filter(|_| caustics > 0 || indirect > 0)?;
         Some(Self { scene, photons, crop, counts: [caustics, indirect] })
+    }
+
+    /// With so many photons in a pass that look for caustics.
+    pub(super) fn with(self, photons: u32) -> Self {
+        let [caustics, indirect] = self.counts;
+        Self { counts: [if caustics > 0 { photons.max(1) } else { 0 }, indirect], ..self }
     }
 
     /// Parts that the photons of a pass are traced in.
@@ -171,7 +205,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The maps of a pass from all of its photons, part after part.
-    pub(super) fn maps(&self, pass: u32, parts: Vec<(LightLayer, Vec<Photon>)>) -> Maps {
+    pub(super) fn maps(&self, radius: Radius, parts: Vec<(LightLayer, Vec<Photon>)>) -> Maps {
         let photons = |layer: LightLayer| {
             let own = parts.iter().filter(|(of, _)| *of == layer).map(|(_, photons)| &photons[..]);
             own.collect::<Vec<_>>().concat()
@@ -181,7 +215,8 @@ impl<'a> Tracer<'a> {
         // What is nearer to the camera than the nearest target gathers as from there.
         let away = |b: SphereLight| self.scene.camera.distance(b.center).max(b.radius);
         let scale = map::Scale {
-            factor: map::radius_scale(pass),
+            factor: radius.factor,
+            pixel: radius.pixel,
             nearest: least(&mut targets().map(away)),
             smallest: least(&mut targets().map(|b| b.radius)),
         };
