@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::forecast::Quoted;
 use super::notes::NoteJson;
 use super::shortcuts::PricedJson;
 use crate::film::ErrorEstimate;
@@ -30,6 +31,8 @@ pub(super) struct Report<'a> {
     pub(super) passes: [u32; 2],
     pub(super) partial: bool,
     pub(super) error: Option<ErrorJson>,
+    /// What was foreseen of the render while it ran, where an error was asked for.
+    pub(super) quoted: Option<Quoted>,
     pub(super) stopped_by_signal: bool,
     pub(super) seconds: Seconds,
     pub(super) threads: usize,
@@ -53,11 +56,22 @@ pub(super) struct ErrorJson {
     error: f64,
     interval: [f64; 2],
     trusted: bool,
+    /// How many pixels carry it.
+    pixels: f64,
+    tail: Option<TailJson>,
+}
+
+/// Few samples that carry much of the light: shares of both.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct TailJson {
+    samples: f64,
+    light: f64,
 }
 
 impl From<ErrorEstimate> for ErrorJson {
     fn from(e: ErrorEstimate) -> Self {
-        Self { error: e.error, interval: e.interval, trusted: e.trusted }
+        let tail = e.tail.map(|t| TailJson { samples: t.samples, light: t.light });
+        Self { error: e.error, interval: e.interval, trusted: e.trusted, pixels: e.effective_pixels, tail }
     }
 }
 

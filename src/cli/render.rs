@@ -2,17 +2,21 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Code;
+use super::adopt::{adopt, choices, flags};
 use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs, SlipArg};
 use super::compare::unusable;
 use super::console::Console;
 use super::explain::{self, Record};
 use super::failure::Failure;
+use super::forecast::{Forecaster, Quoted};
 use super::load::{self, Loaded};
 use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_line, report_path};
 use super::notes;
+use super::parts::Checkpoint;
 use super::progress::{Display, Watch};
 use super::saver::{Saved, Saver};
 use super::schema::{to_json, to_json_line};
@@ -25,8 +29,9 @@ use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
 use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tracer, rays_per_pixel};
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
-use crate::part::Identity;
-use crate::prepare::{self, EffectsMode, Plan, PrepareError, Prepared};
+use crate::part::{Identity, Part};
+use crate::pilot::{self, Asked};
+use crate::prepare::{self, Algorithms, EffectsMode, Plan, PrepareError, Prepared};
 use crate::price::Priced;
 use crate::report::Explanation;
 use crate::scene::{Camera, Note, NoteEffect, Scene, sha256};
@@ -120,14 +125,21 @@ pub(super) fn picture_size(scene: &Scene, camera: &Camera, asked: Option<[u32; 2
     asked.or(scene.settings.size).unwrap_or_else(from_aspect)
 }
 
+/// Samples per pixel where none are asked for: as the scene says, else 64.
+pub(super) fn default_samples(scene: &Scene) -> u32 {
+    scene.settings.spp.unwrap_or(64).clamp(1, MAX_SAMPLES)
+}
+
 /// A render as meant.
 pub(super) struct Job {
     scene_name: String,
     pub(super) outputs: Vec<PathBuf>,
-    prepare: prepare::Options,
+    pub(super) prepare: prepare::Options,
     camera: String,
     /// Samples per pixel, at most.
     pub(super) passes: u32,
+    /// Samples per pixel as a pilot has to know them: none for parts, and where something else ends the render.
+    samples: Option<u32>,
     /// The first pass.
     first: u32,
     error: Option<f64>,
@@ -161,6 +173,8 @@ struct Rendered {
     counters: Option<Counters>,
     refused: u64,
     bad: Vec<BadSample>,
+    /// What was foreseen of it.
+    quoted: Option<Quoted>,
 }
 
 impl Rendered {
@@ -177,6 +191,7 @@ impl Rendered {
             counters: Some(outcome.counters),
             refused: outcome.film.refused_total(),
             bad: outcome.bad,
+            quoted: None,
         }
     }
 }
@@ -196,10 +211,11 @@ impl Job {
                 max_depth: hints.max_depth,
                 shortcuts: prepare::Shortcuts::of(hints),
                 transparent: false,
-                algorithms: prepare::Algorithms::default(),
+                algorithms: Algorithms::default(),
             },
             camera: camera.name.clone(),
-            passes: hints.spp.unwrap_or(64).clamp(1, MAX_SAMPLES),
+            passes: default_samples(scene),
+            samples: Some(default_samples(scene)),
             first: 0,
             error: None,
             checkpoint: None,
@@ -234,6 +250,8 @@ impl Job {
             (None, true) => MAX_SAMPLES,
             (None, false) => job.passes,
         };
+        let unlimited = args.spp.is_none() && (args.time.is_some() || args.error.is_some());
+        job.samples = Some(job.passes).filter(|_| args.passes.is_none() && !unlimited);
         if let Some(passes) = &args.passes {
             (job.first, job.passes) = (passes.start, passes.end);
         }
@@ -247,6 +265,9 @@ impl Job {
         job.tone.curve = args.tone.map_or(job.tone.curve, Into::into);
         job.tone.exposure = args.exposure.unwrap_or(job.tone.exposure);
         job.method = args.method;
+        if job.method != Method::Default {
+            job.prepare.algorithms = Algorithms::PATHS;
+        }
         job.slips = args.as_printed.as_deref().map_or(Slips::NONE, SlipArg::slips);
         if job.method == Method::Report {
             job.passes = rays_per_pixel(job.passes);
@@ -272,7 +293,12 @@ impl Job {
         if !self.quiet {
             notes::show(&notes, self.verbose, console);
         }
-        let watch = Watch { display: Display::new(self.progress, self.quiet, console), stop: Stop::listen() };
+        let watch = Watch {
+            display: Display::new(self.progress, self.quiet, console),
+            stop: Stop::listen(),
+            forecaster: self.error.map(Forecaster::new),
+            before: AtomicU32::new(0),
+        };
         if self.method != Method::Default && scene.settings.indirect_gain.is_some_and(|gain| gain != 1.0) {
             let message = format!("--method {} does not amplify indirect light", self.method_name());
             let (place, effect) = ("render.indirect_gain".to_owned(), NoteEffect::Differs);
@@ -300,6 +326,7 @@ impl Job {
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
+        rendered.quoted = watch.forecaster.as_ref().and_then(Forecaster::quoted);
         rendered.image.attributes =
             rendered.stated.attributes(&self.identity(&rendered.plan, &hash, &rendered.prices)?);
         keep_layers(&mut rendered.image, &self.aovs);
@@ -324,8 +351,20 @@ impl Job {
         Ok(stopped.unwrap_or(if short { Code::Short } else { Code::Done }))
     }
 
-    fn prepared(&self, scene: &Scene) -> Result<Prepared, Failure> {
-        prepare::prepare(scene, &self.prepare).map_err(|e| match e {
+    /// The scene, prepared by the plan of what was saved of this render, or by one that is made for it.
+    fn prepared(&self, scene: &Scene, saved: Option<&Part>) -> Result<Prepared, Failure> {
+        let prepared = match saved {
+            Some(part) => {
+                let mut options = self.prepare.clone();
+                let plan = adopt(scene, &mut options, &part.identity);
+                plan.and_then(|plan| prepare::prepare_planned(scene, &options, plan))
+            }
+            None => {
+                let asked = Asked { samples: self.samples, error: self.error, threads: self.threads };
+                pilot::prepare(scene, &self.prepare, &asked)
+            }
+        };
+        prepared.map_err(|e| match e {
             PrepareError::NoCamera => Failure::load(format!("{}: {e}", self.scene_name)),
             _ => Failure::usage(e.to_string()),
         })
@@ -333,7 +372,7 @@ impl Job {
 
     /// Traces one sample alone.
     fn replay(&self, scene: &Scene, [x, y, pass]: [u32; 3], console: &Console) -> Result<Code, Failure> {
-        let prepared = self.prepared(scene)?;
+        let prepared = self.prepared(scene, None)?;
         let [width, height] = prepared.size;
         if x >= width || y >= height || pass >= MAX_SAMPLES {
             let most = MAX_SAMPLES - 1;
@@ -358,7 +397,9 @@ impl Job {
         console: &Console,
     ) -> Result<Option<(Rendered, f64)>, Failure> {
         let begin = Instant::now();
-        let prepared = self.prepared(scene)?;
+        let checkpoint = self.checkpoint.as_deref().map(Checkpoint::new);
+        let found = checkpoint.as_ref().map_or(Ok(None), Checkpoint::read)?;
+        let prepared = self.prepared(scene, found.as_ref().map(|f| &f.part))?;
         let Some(prices) = shortcuts::prices(scene, &self.prepare, self.threads, watch)? else {
             return Ok(None);
         };
@@ -381,6 +422,7 @@ impl Job {
             error: self.error,
             threads: self.threads,
             crop: self.crop,
+            every: 1,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
             layer_noise: false,
@@ -389,11 +431,13 @@ impl Job {
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);
         let mut film = Film::new(integrate::layout(&prepared, &options));
         let mut saver = None;
-        if let Some(path) = &self.checkpoint {
+        if let Some(checkpoint) = checkpoint {
+            let every = self.checkpoint_every;
             let (opened, saved) =
-                Saver::open(path, &identity, screen, &options.passes, self.checkpoint_every, console)?;
+                Saver::open(checkpoint, found, &identity, screen, &options.passes, every, console)?;
             if let Some(part) = saved {
                 options.passes.start = part.passes.last().map_or(self.first, |r| r.end);
+                watch.before.store(options.passes.start, Ordering::Relaxed);
                 film = part.film;
             }
             saver = Some(opened);
@@ -499,6 +543,7 @@ impl Job {
             counters: None,
             refused: 0,
             bad: Vec::new(),
+            quoted: None,
         })
     }
 
@@ -516,7 +561,7 @@ impl Job {
             ("effects", effects),
         ];
         if self.method == Method::Default {
-            list.push(("caustics", plan.caustics.name().to_owned()));
+            list.extend(choices(plan));
         }
         if self.method != Method::Reference {
             list.push(("replications", plan.replications.to_string()));
@@ -569,6 +614,7 @@ impl Job {
             passes: rendered.stated.passes.first().map_or([0, 0], |r| [r.start, r.end]),
             partial: rendered.stated.partial,
             error: rendered.stated.error.map(ErrorJson::from),
+            quoted: rendered.quoted,
             stopped_by_signal,
             seconds,
             threads: rendered.threads,
@@ -615,10 +661,17 @@ impl Job {
             }
             console.message(&line);
         }
+        if let Some(quoted) = rendered.quoted.filter(|_| rendered.reached) {
+            console.message(&quoted.beside(seconds.render));
+        }
         if rendered.stated.partial {
             console.message("note: not one sample of every pixel is done; the picture is partial");
         } else if self.first + all != self.passes {
-            console.message(&format!("--spp {all} repeats this picture"));
+            // With so many samples, or without an error, a pilot might choose otherwise.
+            let piloted = rendered.plan.choices.iter().any(|c| c.about == "pilot");
+            let other = piloted && (all < pilot::LEAST_SAMPLES || self.error.is_some());
+            let flags = if other { flags(&rendered.plan) } else { String::new() };
+            console.message(&format!("--spp {all}{flags} repeats this picture"));
         }
         if stopped.is_some() {
             console.message("stopped by a signal; what was done is saved");

@@ -7,6 +7,9 @@ use crate::film::{ErrorEstimate, Film};
 use crate::integrate::Outcome;
 use crate::part::Identity;
 
+/// Share of the light from which on it is said that few samples carry it.
+const TELLING: f64 = 0.02;
+
 /// What a picture is of, and how good it is, beside its identity.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Stated {
@@ -42,21 +45,41 @@ impl Stated {
             add("error", format!("{:.3e}", e.error));
             add("error_interval", format!("{:.3e}..{:.3e}", e.interval[0], e.interval[1]));
             add("error_trusted", e.trusted.to_string());
+            if let Some(tail) = e.tail {
+                add(
+                    "error_tail",
+                    format!("{:.3e} of the samples, {:.3e} of the light", tail.samples, tail.light),
+                );
+            }
         }
         list
     }
 
-    /// A line about the error, and how sure it is; `None` where nothing can be said of it.
+    /// [`error_line`] of its error.
     pub(super) fn error_line(&self) -> Option<String> {
-        let found = self.error?;
-        let [low, high] = found.interval.map(show_share);
-        Some(if found.trusted {
-            format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error))
-        } else if found.error > ErrorEstimate::NOISIEST {
-            format!("error above {}: too noisy to say", show_share(ErrorEstimate::NOISIEST))
-        } else {
-            let carry = found.effective_pixels;
-            format!("error {}, not trustworthy yet: {carry:.0} pixels carry it", show_share(found.error))
-        })
+        self.error.as_ref().map(error_line)
+    }
+}
+
+/// A line about an error, and how sure it is.
+pub(super) fn error_line(found: &ErrorEstimate) -> String {
+    let [low, high] = found.interval.map(show_share);
+    // What few samples carry is the reason where it is much.
+    let tail = found.tail.filter(|t| t.light >= TELLING).map(|t| {
+        format!("{} of the samples carry {:.0} % of the light", show_share(t.samples), 100.0 * t.light)
+    });
+    if found.trusted {
+        return format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error));
+    }
+    let noisy = found.error > ErrorEstimate::NOISIEST;
+    let error = if noisy {
+        format!("error above {}", show_share(ErrorEstimate::NOISIEST))
+    } else {
+        format!("error {}", show_share(found.error))
+    };
+    match tail {
+        Some(tail) => format!("{error}, not trustworthy yet: {tail}"),
+        None if noisy => format!("{error}: too noisy to say"),
+        None => format!("{error}, not trustworthy yet: {:.0} pixels carry it", found.effective_pixels),
     }
 }

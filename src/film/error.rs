@@ -24,7 +24,7 @@
 //! sample of a half lit seem dark, and their error enormous. The estimate is then too large, never too small by
 //! that, and is not trusted. Below, what the second order leaves is granted to the interval.
 
-use super::Film;
+use super::{Film, Tail};
 
 /// What the squares of the pixels' estimates are taken times; between what normal noise and heavy tails ask for.
 const SPREAD: f64 = 1.75;
@@ -32,8 +32,6 @@ const SPREAD: f64 = 1.75;
 const Z: f64 = 1.959_963_984_540_054;
 /// Share of the mean luminance that is added to what errors are divided by: c above.
 pub(super) const FLOOR: f64 = 0.1;
-/// Below as many pixels that carry the error, the sum over them is not normal enough for its interval.
-const FEWEST: f64 = 60.0;
 /// What the delta method leaves of the relative bias of E^2, times E^2: at most, in simulations of uniform,
 /// exponential and rare samples up to [`ErrorEstimate::NOISIEST`].
 const LEFT: f64 = 1.5;
@@ -51,62 +49,106 @@ pub struct ErrorEstimate {
     pub effective_pixels: f64,
     /// Whether the interval can be trusted.
     pub trusted: bool,
+    /// The few samples that carry much of the light, where the interval cannot be trusted and there are such.
+    pub tail: Option<Tail>,
 }
 
 impl ErrorEstimate {
     /// Above this error the halves are too noisy to say what they converge to: no estimate is trusted.
     pub const NOISIEST: f64 = 0.25;
+    /// Where fewer pixels carry the error, the sum over them is not normal enough for its interval.
+    pub const FEWEST_PIXELS: f64 = 60.0;
 }
 
-impl Film {
-    /// The error of the picture that the film holds; `None` where no estimate is possible: fewer than two
-    /// replications with samples in some pixel, or nothing but black.
+/// What each pixel adds to the square of the error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Squares {
+    /// Estimates of v / (R^2 + c^2) of each pixel that has samples, row by row; noise may make single ones negative.
+    pub of_pixels: Vec<f32>,
+}
+
+impl Squares {
+    /// The error, and how sure it is; the tail is left out.
     #[must_use]
-    pub fn error(&self) -> Option<ErrorEstimate> {
-        let k = self.layout.replications as usize;
-        let means = self.replication_means();
-        let total: f64 = means.iter().map(|m| pooled(m).0).sum();
-        let c = FLOOR * total / self.pixels() as f64;
-        if c <= 0.0 || means.len() != self.pixels() || k < 2 {
-            return None;
-        }
+    pub fn estimate(&self) -> ErrorEstimate {
+        let n = self.of_pixels.len().max(1) as f64;
         let (mut sum, mut squares) = (0.0, 0.0);
-        for m in &means {
-            let t = relative_variance(m, c);
+        for &t in &self.of_pixels {
+            let t = f64::from(t);
             sum += t;
             squares += t * t;
         }
-        // Noise may make single pixels negative, and all of them only where there is hardly any error.
-        let mean = (sum / self.pixels() as f64).max(0.0);
+        // Noise makes the sum negative only where there is hardly any error.
+        let mean = (sum / n).max(0.0);
         let sampling = if sum > 0.0 { SPREAD * squares / (sum * sum) } else { 0.0 };
         let relative = (sampling + (LEFT * mean) * (LEFT * mean)).sqrt();
         let error = mean.sqrt();
         // Errors are positive, and their square spreads by a factor: hence the logarithm, halved by the root.
         let factor = libm::exp(0.5 * Z * relative);
-        let effective_pixels = if squares > 0.0 { sum * sum / squares } else { self.pixels() as f64 };
-        Some(ErrorEstimate {
+        let effective_pixels = if squares > 0.0 { sum * sum / squares } else { n };
+        ErrorEstimate {
             error,
             interval: [error / factor, error * factor],
             effective_pixels,
-            trusted: effective_pixels >= FEWEST && error <= ErrorEstimate::NOISIEST,
-        })
+            trusted: effective_pixels >= ErrorEstimate::FEWEST_PIXELS && error <= ErrorEstimate::NOISIEST,
+            tail: None,
+        }
+    }
+}
+
+impl Film {
+    /// The error of the picture that the film holds; `None` where no estimate is possible: fewer than two
+    /// replications with samples in some pixel that has any, or nothing but black.
+    #[must_use]
+    pub fn error(&self) -> Option<ErrorEstimate> {
+        Some(self.error_of(&self.error_squares()?))
     }
 
-    /// For each pixel, luminance and count of each of its replications that has samples; pixels with fewer than
-    /// two such are left out.
-    fn replication_means(&self) -> Vec<Vec<(f64, f64)>> {
+    /// The same from squares of this film.
+    #[must_use]
+    pub fn error_of(&self, squares: &Squares) -> ErrorEstimate {
+        let mut found = squares.estimate();
+        if !found.trusted {
+            found.tail = self.tail();
+        }
+        found
+    }
+
+    /// What each pixel adds to the square of the error; `None` as for [`Self::error`].
+    #[must_use]
+    pub fn error_squares(&self) -> Option<Squares> {
         let k = self.layout.replications as usize;
         let format = self.layout.radiance;
-        let of_cell = |(sums, &n): (&[i128; 3], &u32)| {
-            let luminance: f64 = sums.iter().zip(LUMINANCE).map(|(&s, w)| w * format.mean(s, n)).sum();
-            (n > 0).then_some((luminance, f64::from(n)))
+        // The means of the replications of all pixels, and where those of each begin.
+        let (mut means, mut ends) =
+            (Vec::with_capacity(self.counts.len()), Vec::with_capacity(self.pixels()));
+        for (sums, counts) in self.sums.chunks(k).zip(self.counts.chunks(k)) {
+            let before = means.len();
+            for (sums, &n) in sums.iter().zip(counts).filter(|(_, n)| **n > 0) {
+                means.push((luminance(sums.map(|s| format.mean(s, n))), f64::from(n)));
+            }
+            match means.len() - before {
+                0 => {}
+                1 => return None,
+                _ => ends.push(means.len()),
+            }
+        }
+        let pixels = || {
+            let begins = std::iter::once(0).chain(ends.iter().copied());
+            begins.zip(&ends).map(|(begin, &end)| &means[begin..end])
         };
-        let pixels = self.sums.chunks(k).zip(self.counts.chunks(k));
-        pixels
-            .map(|(sums, counts)| sums.iter().zip(counts).filter_map(of_cell).collect::<Vec<_>>())
-            .filter(|m| m.len() >= 2)
-            .collect()
+        let total: f64 = pixels().map(|m| pooled(m).0).sum();
+        if total <= 0.0 {
+            return None;
+        }
+        let c = FLOOR * total / ends.len() as f64;
+        Some(Squares { of_pixels: pixels().map(|m| relative_variance(m, c) as f32).collect() })
     }
+}
+
+/// Of linear Rec. 709.
+pub(super) fn luminance(c: [f64; 3]) -> f64 {
+    c.iter().zip(LUMINANCE).map(|(c, w)| w * c).sum()
 }
 
 /// Mean and count of some replications together.

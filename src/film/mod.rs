@@ -13,11 +13,13 @@ mod layers;
 mod shares;
 mod state;
 mod sums;
+mod tail;
 
-pub use error::ErrorEstimate;
+pub use error::{ErrorEstimate, Squares};
 pub use fixed::FixedPoint;
 pub use image::{Image, Layer};
 pub use layers::LightLayer;
 pub use shares::LayerShare;
 pub use state::StateError;
 pub use sums::{Features, Film, FilmLayout, Refusal, Sample};
+pub use tail::Tail;

@@ -1,9 +1,10 @@
 //! A film as bytes, and back, exactly.
 //!
 //! In: a film. Out: its sums as integers of the fewest bytes that hold the largest, little-endian, after one
-//! byte that says how many. What the bytes mean is in the layout, which whoever stores them keeps too.
+//! byte that says how many; then counts and the like in integers of their own. What the bytes mean is in the layout, which whoever stores them keeps too.
 
 use super::sums::{FEATURES, Film, FilmLayout, LAYERS};
+use super::tail::Octaves;
 
 /// Why bytes are not those of a film with a layout.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -45,6 +46,7 @@ impl Film {
             [*pass, ids[0], ids[1]].into_iter().for_each(&mut put);
         }
         self.layers.iter().flat_map(|l| &l.brightest).for_each(|v| put(v.to_bits()));
+        bytes.extend(self.octaves.to_bytes());
         for n in self.refused {
             bytes.extend_from_slice(&n.to_le_bytes());
         }
@@ -67,7 +69,8 @@ impl Film {
         let layers = usize::from(layout.layers);
         let of_pixel = COUNT + features * (FEATURES * width + IDS) + layers * (3 * LAYERS * width + COUNT);
         let of_cell = (3 + usize::from(layout.layer_noise) * LAYERS) * width + COUNT;
-        let expected = 1 + cells * of_cell as u128 + pixels * of_pixel as u128 + REFUSED as u128;
+        let expected =
+            1 + cells * of_cell as u128 + pixels * of_pixel as u128 + (Octaves::BYTES + REFUSED) as u128;
         if expected != bytes.len() as u128 {
             return Err(StateError::Length { found: bytes.len(), expected });
         }
@@ -88,6 +91,7 @@ impl Film {
         film.counts.iter_mut().chain(&mut film.hits).for_each(|n| *n = number());
         film.features.iter_mut().flat_map(|f| &mut f.ids).for_each(|i| *i = (number(), [number(), number()]));
         film.layers.iter_mut().flat_map(|l| &mut l.brightest).for_each(|v| *v = f32::from_bits(number()));
+        film.octaves = Octaves::from_bytes(take(Octaves::BYTES));
         film.refused.iter_mut().for_each(|n| *n = u64::from_le_bytes(take(8).try_into().unwrap_or_default()));
         Ok(film)
     }
@@ -147,7 +151,7 @@ mod tests {
             }
             let bytes = film.to_bytes();
             assert_eq!(Film::from_bytes(layout.clone(), &bytes), Ok(film));
-            for cut in 0..bytes.len() {
+            for cut in (0..bytes.len()).filter(|c| *c < 200 || c % 97 == 0 || *c + 200 > bytes.len()) {
                 Film::from_bytes(layout.clone(), &bytes[..cut]).expect_err("cut");
             }
             let other = FilmLayout { crop: [0, 0, u32::MAX, u32::MAX], ..layout };

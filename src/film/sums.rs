@@ -1,5 +1,6 @@
 //! Exact sums per pixel and replication.
 
+use super::tail::Octaves;
 use super::{FixedPoint, Image, Layer, LightLayer};
 use crate::color::Rgb;
 use crate::mutants::planted;
@@ -116,6 +117,8 @@ pub struct Film {
     pub(super) layers: Option<LayerSums>,
     /// Luminance of the parts of the light, per cell, where their noise is asked for.
     pub(super) layer_cells: Option<Vec<[i128; LAYERS]>>,
+    /// Samples of the whole film by octave of luminance.
+    pub(super) octaves: Octaves,
     pub(super) refused: [u64; 3],
 }
 
@@ -137,6 +140,7 @@ impl Film {
                 .layers
                 .then(|| LayerSums { sums: vec![[[0; 3]; LAYERS]; pixels], brightest: vec![0.0; pixels] }),
             layer_cells: layout.layer_noise.then(|| vec![[0; LAYERS]; cells]),
+            octaves: Octaves::new(),
             refused: [0; 3],
             layout,
         }
@@ -169,6 +173,7 @@ impl Film {
         let cell = self.accumulate(pixel, pass, c)?;
         let format = self.layout.radiance;
         self.counts[cell] += 1;
+        self.octaves.add(sample.radiance.luminance(), 1, format);
         if let Some(sums) = &mut self.layers {
             for (sum, part) in sums.sums[pixel].iter_mut().zip(sample.layers.unwrap_or_default()) {
                 for (sum, v) in sum.iter_mut().zip(part.to_array()) {
@@ -220,6 +225,7 @@ impl Film {
         let c = radiance.to_array();
         let cell = self.accumulate(pixel, pass, c)?;
         let format = self.layout.radiance;
+        self.octaves.add(radiance.luminance(), 0, format);
         if let Some(sums) = &mut self.layers {
             for (sum, v) in sums.sums[pixel][layer as usize].iter_mut().zip(c) {
                 *sum += format.encode(v);
@@ -295,6 +301,7 @@ impl Film {
         if let (Some(own), Some(other)) = (&mut self.layer_cells, &other.layer_cells) {
             add(own, other);
         }
+        self.octaves.merge(&other.octaves);
         for (n, other) in self.refused.iter_mut().zip(other.refused) {
             *n += other;
         }

@@ -28,7 +28,7 @@ pub(crate) fn mis_weight(own: f32, other: f32) -> f32 {
     }
 }
 
-/// Radiance scattered from one sampled light, unweighted by the throughput; `media` are those on the side
+/// Radiance scattered from one of `samples` sampled lights, unweighted by the throughput; `media` are those on the side
 /// of the surface that is seen, and on the other.
 #[inline(always)]
 pub(super) fn direct_light<const FX: u32>(
@@ -38,6 +38,7 @@ pub(super) fn direct_light<const FX: u32>(
     context: &LightContext,
     media: [Medium; 2],
     u: [f32; 4],
+    samples: f32,
     counters: &mut Counters,
 ) -> Rgb {
     let fx = scene.simulated::<FX>();
@@ -45,7 +46,7 @@ pub(super) fn direct_light<const FX: u32>(
     let Some((f, pdf)) = scatter::f_and_pdf(fx, bsdf, frame, light.wi, Transport::Radiance) else {
         return Rgb::BLACK;
     };
-    let weight = if light.delta { 1.0 } else { mis_weight(light.pdf, pdf) };
+    let weight = if light.delta { 1.0 } else { mis_weight(samples * light.pdf, pdf) };
     let cos = planted!(cosine_dropped(light.wi.dot(frame.ns()).abs()));
     let mut ld = f * light.weight * (cos * weight);
     if (fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy))

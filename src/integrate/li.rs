@@ -5,6 +5,10 @@
 //! unless asked for: paths end by roulette. The walk is a loop over [`step`], so that paths could as
 //! well be advanced side by side.
 //!
+//! Two choices of the plan make one sample of more than one: at the first vertex that spreads light, several samples
+//! of lights (of the same density, so that n of them weigh as one of n times the density; Veach, thesis, section
+//! 9.2), and where the first thing that the camera sees is a mirror or clear glass, several ways on from there.
+//!
 //! `FX` is the set of effects that a kernel simulates; what is not in it is not compiled. One kernel looks at
 //! run time (`Effects::AT_RUN_TIME`), and serves every set.
 
@@ -14,7 +18,7 @@ use super::direct::{direct_light, mis_weight};
 use super::photon::{PhotonMap, caustics_at};
 use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
-use crate::bsdf::Transport;
+use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
 use crate::film::LightLayer;
 use crate::light::LightContext;
@@ -39,6 +43,8 @@ pub struct Counters {
     pub rays: u64,
     /// Paths cut by the far safety cap.
     pub capped: u64,
+    /// Photons gathered from maps, by paths that look for caustics.
+    pub gathered: u64,
     /// Rays by the [`LightLayer`] of the light that they look for, where layers are recorded: a shadow ray by that
     /// of its light, any other by that of a light at its end, those of photons by that of caustics.
     pub layer_rays: [u64; LightLayer::ALL.len()],
@@ -48,12 +54,24 @@ pub struct Counters {
 pub type Layers = [Rgb; LightLayer::ALL.len()];
 
 /// Where a direction was sampled, and how probable it was: what the next emitter's weight depends on.
+#[derive(Clone, Copy)]
 struct Sampled {
     context: LightContext,
     pdf: f32,
+    /// Samples of lights that were taken there.
+    lights: f32,
+}
+
+impl Sampled {
+    /// The share of an emitter that was met by chance, where a sample of lights finds it with density `light`.
+    #[inline(always)]
+    fn weight(&self, light: f32) -> f32 {
+        mis_weight(self.pdf, self.lights * light)
+    }
 }
 
 /// A path on its way.
+#[derive(Clone)]
 struct PathState {
     ray: Ray,
     /// The primitives that the ray leaves: that of a surface, and of another that lies on it.
@@ -84,10 +102,14 @@ struct PathState {
     medium: Medium,
     /// Product of eta^2: what refractions have taken from `beta` and will give back.
     eta_scale: f32,
+    /// Whether it goes on in several ways where what it meets first is a mirror or clear glass.
+    forks: bool,
 }
 
 enum Next {
     Continue,
+    /// The path is to go on in several ways from here, each of which begins at this hit anew.
+    Fork(Hit),
     Done,
 }
 
@@ -98,9 +120,7 @@ pub(super) fn li<const FX: u32>(
     ray: Ray,
     counters: &mut Counters,
 ) -> Rgb {
-    let mut path = PathState::new(scene, ray);
-    while let Next::Continue = step::<FX, false>(scene, None, &address, &mut path, counters) {}
-    path.radiance
+    walk::<FX, false>(scene, None, address, ray, counters).0
 }
 
 /// The same radiance, and the parts that it consists of; where there is a map, the path gathers the photons of
@@ -112,9 +132,50 @@ pub(super) fn li_in_layers<const FX: u32>(
     ray: Ray,
     counters: &mut Counters,
 ) -> (Rgb, Layers) {
+    walk::<FX, true>(scene, map, address, ray, counters)
+}
+
+/// From the camera to the end.
+#[inline(always)]
+fn walk<const FX: u32, const LAYERS: bool>(
+    scene: &Prepared,
+    map: Option<&PhotonMap>,
+    address: Address,
+    ray: Ray,
+    counters: &mut Counters,
+) -> (Rgb, Layers) {
     let mut path = PathState::new(scene, ray);
-    while let Next::Continue = step::<FX, true>(scene, map, &address, &mut path, counters) {}
-    (path.radiance, path.layers)
+    loop {
+        match step::<FX, LAYERS>(scene, map, &address, None, &mut path, counters) {
+            Next::Continue => {}
+            Next::Fork(hit) => return ways::<FX>(scene, map, address, &path, hit, counters),
+            Next::Done => return (path.radiance, path.layers),
+        }
+    }
+}
+
+/// The mean over several ways on from where a path first meets a mirror or clear glass; way j has the numbers of
+/// branch j of the sample.
+#[inline(never)]
+fn ways<const FX: u32>(
+    scene: &Prepared,
+    map: Option<&PhotonMap>,
+    address: Address,
+    arrived: &PathState,
+    hit: Hit,
+    counters: &mut Counters,
+) -> (Rgb, Layers) {
+    let n = scene.plan.split;
+    let (mut radiance, mut layers) = (Rgb::BLACK, Layers::default());
+    for j in 0..n {
+        let mut path = PathState { forks: false, ..arrived.clone() };
+        let (address, mut at) = (address.split(n, j), Some(hit));
+        while let Next::Continue = step::<FX, true>(scene, map, &address, at.take(), &mut path, counters) {}
+        radiance += path.radiance;
+        layers.iter_mut().zip(path.layers).for_each(|(sum, part)| *sum += part);
+    }
+    let share = 1.0 / n as f32;
+    (radiance * share, layers.map(|sum| sum * share))
 }
 
 impl PathState {
@@ -135,6 +196,7 @@ impl PathState {
             thrown: false,
             linked: true,
             caustics: scene.plan.caustics,
+            forks: scene.plan.split > 1,
         }
     }
 
@@ -210,42 +272,20 @@ impl PathState {
     }
 }
 
-/// From one vertex to the next; photons of `map` are gathered where there is one, but for those that reach the
-/// camera from here without this path.
+/// From one vertex to the next, or from one that the path has arrived `at`, on; photons of `map` are gathered where
+/// there is one, but for those that reach the camera from here without this path.
 #[inline(always)]
 fn step<const FX: u32, const LAYERS: bool>(
     scene: &Prepared,
     map: Option<&PhotonMap>,
     address: &Address,
+    at: Option<Hit>,
     path: &mut PathState,
     counters: &mut Counters,
 ) -> Next {
     let fx = scene.simulated::<FX>();
-    let kind = if path.depth == 0 { RayKind::Camera } else { RayKind::Other };
-    counters.rays += 1;
-    if LAYERS {
-        counters.layer_rays[path.meets() as usize] += 1;
-    }
-    let hit = scene.accel.closest_between(&path.ray, path.from, kind);
-    let t = hit.map_or(f32::INFINITY, |h| h.t);
-
-    // Free lights on the way: they block nothing, so each is found where it stands.
-    if fx.has(Effect::FreeLights) {
-        free_lights::<FX, LAYERS>(scene, path, t);
-    }
-    // Absorption on the way.
-    if fx.has(Effect::Absorption)
-        && let Some(medium) = path.medium.absorbs
-    {
-        path.beta *= interior(scene, medium, t);
-    }
-    #[cfg(epsilux_dummy_effect)]
-    if fx.has(Effect::Dummy)
-        && let Some(dummy) = scene.dummy
-    {
-        path.beta *= dummy.transmittance(t);
-    }
-    let Some(hit) = hit else {
+    let arrives = at.is_none();
+    let Some(hit) = at.or_else(|| next_hit::<FX, LAYERS>(scene, path, counters)) else {
         // Light from infinitely far away.
         if fx.has(Effect::Environment) {
             distant_lights::<LAYERS>(scene, path);
@@ -264,7 +304,8 @@ fn step<const FX: u32, const LAYERS: bool>(
     let mut prepared = &scene.materials[material as usize];
     let detail =
         if varies(fx) && prepared.detailed { scene.detail(surface.object, &hit) } else { Detail::NONE };
-    let mut there = !fx.has(Effect::Cutouts) || is_there(prepared, &detail, address, path.depth, path.passed);
+    let mut there =
+        !arrives || !fx.has(Effect::Cutouts) || is_there(prepared, &detail, address, path.depth, path.passed);
     let met = if fx.has(Effect::Nesting) { scene.meet(&surface, path.ray.d, path.medium) } else { None };
     let leaving = [surface.id, met.map_or(PrimitiveId::NONE, |m| m.with)];
     if let Some(met) = &met {
@@ -282,6 +323,7 @@ fn step<const FX: u32, const LAYERS: bool>(
 
     // Emission met by chance: full weight after the camera and delta lobes, a share otherwise.
     if fx.has(Effect::AreaLights)
+        && arrives
         && let Some(light) = scene.lights.of_surface(surface.id)
     {
         let mut le = scene.lights.emitted(light, wo, surface.ng);
@@ -295,7 +337,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         }
         let weight = match &path.sampled {
             None => 1.0,
-            Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
+            Some(s) => s.weight(scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
         };
         path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight, &scene.kept);
     }
@@ -307,7 +349,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         return Next::Done;
     }
 
-    // Direct light: one light, by what it could contribute.
+    // Direct light: one light, by what it could contribute; several where a path first spreads, if that pays.
     if fx.has(Effect::NormalMaps) {
         surface.ns = mapped_normal(scene, prepared, &surface, &hit, &detail, wo);
     }
@@ -330,11 +372,18 @@ fn step<const FX: u32, const LAYERS: bool>(
     let left = prepared.narrow && path.spread > 0 && path.caustics.by_photons(path.linked);
     // What would be spread once more counts for nothing where indirect light is left out.
     let over = !prepared.narrow && scene.kept.ends_after(path.spread);
+    let mut lights = 1.0;
     if !bsdf.is_delta() && !left && !over {
-        let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
+        let samples = if path.spread == 0 { scene.plan.light_samples } else { 1 };
         let before = counters.rays;
-        let ld = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters);
+        let ld = if samples > 1 {
+            lights = samples as f32;
+            many_lights::<FX>(scene, bsdf, &frame, &context, media, (address, path.depth, samples), counters)
+        } else {
+            let u = address.block(path.depth, Purpose::Light, 0, 0);
+            direct_light::<FX>(scene, bsdf, &frame, &context, media, u, 1.0, counters)
+        };
         if LAYERS {
             counters.layer_rays[path.samples(prepared.narrow) as usize] += counters.rays - before;
         }
@@ -345,9 +394,11 @@ fn step<const FX: u32, const LAYERS: bool>(
             && !(path.linked && path.thrown)
         {
             let place = (path.depth, path.spread > 0);
-            let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
+            let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place, counters);
             path.gather::<LAYERS>(path.beta * caustics, &scene.kept);
         }
+    } else if path.forks && path.depth == 0 {
+        return Next::Fork(hit);
     }
 
     // Continue the path in a direction chosen by the BSDF.
@@ -369,17 +420,70 @@ fn step<const FX: u32, const LAYERS: bool>(
     path.through |= path.depth == 0 && thrown;
     path.spread += u32::from(!thrown);
     path.thrown = thrown;
-    path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
+    path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf, lights });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
     path.from = leaving;
     path.depth += 1;
 
     // Roulette on throughput, corrected for what refraction will give back.
-    match roulette::survive(path.beta, path.eta_scale, path.depth, u[3]) {
+    match roulette::survive(path.beta, path.eta_scale, path.depth, scene.plan.roulette, u[3]) {
         Some(scale) => path.beta *= scale,
         None => return Next::Done,
     }
     Next::Continue
+}
+
+/// What a ray meets next, and what it passes on its way there: free lights, which block nothing, so that each is found
+/// where it stands, and what absorbs.
+#[inline(always)]
+fn next_hit<const FX: u32, const LAYERS: bool>(
+    scene: &Prepared,
+    path: &mut PathState,
+    counters: &mut Counters,
+) -> Option<Hit> {
+    let fx = scene.simulated::<FX>();
+    let kind = if path.depth == 0 { RayKind::Camera } else { RayKind::Other };
+    counters.rays += 1;
+    if LAYERS {
+        counters.layer_rays[path.meets() as usize] += 1;
+    }
+    let hit = scene.accel.closest_between(&path.ray, path.from, kind);
+    let t = hit.map_or(f32::INFINITY, |h| h.t);
+    if fx.has(Effect::FreeLights) {
+        free_lights::<FX, LAYERS>(scene, path, t);
+    }
+    if fx.has(Effect::Absorption)
+        && let Some(medium) = path.medium.absorbs
+    {
+        path.beta *= interior(scene, medium, t);
+    }
+    #[cfg(epsilux_dummy_effect)]
+    if fx.has(Effect::Dummy)
+        && let Some(dummy) = scene.dummy
+    {
+        path.beta *= dummy.transmittance(t);
+    }
+    hit
+}
+
+/// Radiance from several samples of lights at a vertex of the path of an address.
+#[inline(never)]
+fn many_lights<const FX: u32>(
+    scene: &Prepared,
+    bsdf: &Bsdf,
+    frame: &scatter::Frame,
+    context: &LightContext,
+    media: [Medium; 2],
+    (address, depth, samples): (&Address, u32, u32),
+    counters: &mut Counters,
+) -> Rgb {
+    let n = samples as f32;
+    let mut sum = Rgb::BLACK;
+    for j in 0..samples {
+        let u = address.split(samples, j).block(depth, Purpose::Light, 0, 0);
+        sum += direct_light::<FX>(scene, bsdf, frame, context, media, u, n, counters);
+    }
+    sum * (1.0 / n)
 }
 
 /// Whether textures or vertex colours may vary anything.
@@ -492,7 +596,7 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
         }
         let weight = match &path.sampled {
             None => 1.0,
-            Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, hit.light, hit.p, hit.n)),
+            Some(s) => s.weight(scene.lights.pdf(&s.context, hit.light, hit.p, hit.n)),
         };
         let mut beta = path.beta;
         if scene.simulated::<FX>().has(Effect::Absorption)
@@ -513,7 +617,7 @@ fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
         if camera && (!visible || scene.transparent) {
             return;
         }
-        let weight = path.sampled.as_ref().map_or(1.0, |s| mis_weight(s.pdf, pdf));
+        let weight = path.sampled.as_ref().map_or(1.0, |s| s.weight(pdf));
         sum += path.beta * radiance * weight;
     });
     path.meet::<LAYERS>(sum, &scene.kept);

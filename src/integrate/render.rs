@@ -9,8 +9,8 @@ use std::time::Duration;
 use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
 use super::li::{Counters, first_surface};
-use super::photon::{PhotonMap, Tracer};
-use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample};
+use super::photon::{PhotonMap, Radius, Tracer};
+use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample, Squares};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
@@ -29,6 +29,9 @@ pub struct RenderOptions {
     pub threads: usize,
     /// Left, top, width and height of the part to render, pixels of the whole picture.
     pub crop: Option<[u32; 4]>,
+    /// Renders one pixel of so many, spread over the picture, and leaves the others empty: to learn about a picture
+    /// from a part of it. 1 is all of them.
+    pub every: u32,
     /// Whether to record features of the first surface (albedo, normal, depth, position, ids).
     pub features: bool,
     /// Whether to record the parts of the light ([`LightLayer`](crate::film::LightLayer)) and each pixel's
@@ -49,6 +52,7 @@ impl RenderOptions {
             error: None,
             threads: 0,
             crop: None,
+            every: 1,
             features: false,
             layers: false,
             layer_noise: false,
@@ -103,6 +107,9 @@ pub trait Control: Sync {
     /// Called with the film each time that a whole pass has been added, in order: the passes that this render has
     /// added so far, and what it took. Work waits meanwhile.
     fn committed(&self, _film: &Film, _passes: Range<u32>, _counters: Counters) {}
+    /// Called after the passes at which the error is looked at, where one is asked for, with what the pixels add to it.
+    /// Work waits meanwhile.
+    fn looked(&self, _passes: u32, _squares: &Squares) {}
     /// Asked often; true ends the render soon.
     fn cancelled(&self) -> bool {
         false
@@ -126,6 +133,17 @@ pub struct BadSample {
     pub reason: Refusal,
 }
 
+/// What threads were busy with, in seconds of one thread.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Busy {
+    /// Tracing photons, and making maps of them.
+    pub photons: Duration,
+    /// Tracing paths.
+    pub tiles: Duration,
+    /// Adding to the film.
+    pub film: Duration,
+}
+
 /// What a render gave.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -145,6 +163,8 @@ pub struct Outcome {
     pub bad: Vec<BadSample>,
     /// Wall-clock time.
     pub elapsed: Duration,
+    /// What the threads did meanwhile.
+    pub busy: Busy,
     /// Threads that worked.
     pub threads: usize,
 }
@@ -214,7 +234,7 @@ impl Source for Planned<'_> {
 }
 
 /// A sample at a pixel of the whole picture.
-fn sample(
+pub(super) fn sample(
     scene: &Prepared,
     kernel: &Kernel,
     layers: bool,
@@ -265,7 +285,7 @@ pub fn replay(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Sample {
         let traced: Vec<_> = (0..tracer.chunks()).map(|chunk| tracer.trace(pass, chunk, counters)).collect();
         splats = traced.iter().flat_map(|t| t.splats.clone()).collect();
         let parts = || traced.into_iter().map(|t| t.photons).collect();
-        map = tracer.maps().then(|| tracer.map(pass, parts()));
+        map = tracer.maps().then(|| tracer.map(Radius::of(pass), parts()));
     }
     let mut sample = sample(scene, &kernel(&scene.plan), false, pixel, pass, map.as_ref(), counters);
     splats.iter().for_each(|s| sample.radiance += s.radiance);

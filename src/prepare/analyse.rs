@@ -9,7 +9,7 @@
 use glam::Vec4;
 
 use super::algorithm::{Caustics, caustics};
-use super::choices::{casters, choices, unseen};
+use super::choices::{ROULETTE_START, casters, choices, unseen};
 use super::fold::{Folded, Uses, fold, has_surface};
 use super::lights::{self, effect_of};
 use super::material::{self, Numbers};
@@ -59,7 +59,8 @@ impl Collector {
     }
 }
 
-/// Finds what the scene calls for, and chooses how it is rendered.
+/// Finds what the scene calls for, and chooses how it is rendered: what was not asked for, without looking how
+/// noisy the scene is.
 #[must_use]
 pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     let omitted = options.shortcuts.without;
@@ -74,14 +75,19 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     let left_out = found.left_out();
     let needs: Vec<Need> = found.needs.into_iter().flatten().collect();
     let casters = casters(scene, &folded);
-    let caustics = if omitted.caustics { Caustics::Path } else { caustics(scene, &folded, options) };
+    let algorithms = &options.algorithms;
+    let caustics =
+        if omitted.caustics { Caustics::Path } else { caustics(scene, &folded, &casters, algorithms) };
     let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
     let mut plan = Plan {
-        choices: choices(scene, &folded, &casters, caustics, pixels),
+        choices: choices(scene, &folded, &casters, caustics, algorithms, pixels),
         needs,
         left_out,
         unseen: unseen(scene, &folded, &casters, caustics),
         caustics,
+        light_samples: algorithms.light_samples.unwrap_or(1),
+        split: algorithms.split.unwrap_or(1),
+        roulette: algorithms.roulette.unwrap_or(ROULETTE_START),
         shortcuts: options.shortcuts_taken(),
         tables: Effects::default(),
         kernel: 0,

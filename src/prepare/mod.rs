@@ -33,11 +33,11 @@ mod texture;
 mod varying;
 
 pub use crate::bsdf::fresnel::Fresnel;
-pub use algorithm::{Algorithms, Caustics, CausticsMode};
+pub use algorithm::{Algorithms, Caustics, CausticsMode, MOST_BRANCHES};
 pub use analyse::analyse;
 pub use camera::{CameraRays, Seen};
 pub(crate) use casters::Casting;
-pub use choices::ROULETTE_START;
+pub use choices::{ABOUT, ROULETTE_START};
 pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
 pub use nesting::{Inside, Medium};
@@ -195,11 +195,7 @@ pub fn plan(scene: &Scene, options: &Options) -> Result<Plan, PrepareError> {
 /// # Errors
 /// As [`prepare`].
 pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<Prepared, PrepareError> {
-    let [width, height] = options.size;
-    let side = 1..=65_536;
-    if !side.contains(&width) || !side.contains(&height) || u64::from(width) * u64::from(height) > 1 << 28 {
-        return Err(PrepareError::Size { width, height });
-    }
+    check_size(options.size)?;
     options.check_shortcuts()?;
     let camera = camera_of(scene, options)?;
     let folded = fold::fold(scene, plan.tables);
@@ -220,10 +216,7 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
         (plan.caustics != Caustics::Path).then(|| Box::new(Casting::new(scene, &folded, &flat, &lights)));
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
     let start = start::medium(scene, &materials, nesting.as_ref(), camera.transform.translation);
-    let mut rays = CameraRays::new(camera, options.size);
-    if !plan.tables.has(Effect::Lens) {
-        rays = rays.pinhole();
-    }
+    let rays = rays(camera, options.size, &plan);
     Ok(Prepared {
         #[cfg(epsilux_dummy_effect)]
         dummy: dummy::Dummy::asked().filter(|_| plan.tables.has(Effect::Dummy)),
@@ -250,7 +243,24 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
     })
 }
 
-fn camera_of<'a>(scene: &'a Scene, options: &Options) -> Result<&'a Camera, PrepareError> {
+fn check_size([width, height]: [u32; 2]) -> Result<(), PrepareError> {
+    let side = 1..=65_536;
+    if !side.contains(&width) || !side.contains(&height) || u64::from(width) * u64::from(height) > 1 << 28 {
+        return Err(PrepareError::Size { width, height });
+    }
+    Ok(())
+}
+
+fn rays(camera: &Camera, size: [u32; 2], plan: &Plan) -> CameraRays {
+    let rays = CameraRays::new(camera, size);
+    if plan.tables.has(Effect::Lens) { rays } else { rays.pinhole() }
+}
+
+/// The camera that options ask for.
+///
+/// # Errors
+/// Where there is none.
+pub fn camera_of<'a>(scene: &'a Scene, options: &Options) -> Result<&'a Camera, PrepareError> {
     match &options.camera {
         None => scene.cameras.first().ok_or(PrepareError::NoCamera),
         Some(name) => scene.cameras.iter().find(|c| c.name == *name).ok_or_else(|| {
@@ -266,6 +276,24 @@ impl Prepared {
     #[must_use]
     pub fn around(&self, scene: &Scene, p: DVec3) -> Vec<usize> {
         start::around(scene, &self.materials, p)
+    }
+
+    /// Turns this into what `scene`, which it was prepared from, is for a plan with other choices and a picture of
+    /// another size and seed. Tables and kernel stay, and so does where photons start: a plan may have photons only
+    /// if the first one had.
+    ///
+    /// # Errors
+    /// As [`prepare`].
+    pub(crate) fn revise(
+        &mut self,
+        scene: &Scene,
+        options: &Options,
+        plan: Plan,
+    ) -> Result<(), PrepareError> {
+        check_size(options.size)?;
+        self.camera = rays(camera_of(scene, options)?, options.size, &plan);
+        (self.size, self.seed, self.plan) = (options.size, options.seed, plan);
+        Ok(())
     }
 
     /// What a kernel simulates: its set, or for the one that looks at run time what the plan says.
@@ -285,6 +313,6 @@ impl Prepared {
     #[inline]
     #[must_use]
     pub(crate) fn casting(&self) -> Option<&Casting> {
-        self.casting.as_deref()
+        self.casting.as_deref().filter(|_| self.plan.caustics != Caustics::Path)
     }
 }

@@ -235,6 +235,9 @@ mod tests {
             replications: 4,
             caustics: Caustics::Path,
             shortcuts: Vec::new(),
+            light_samples: 1,
+            split: 1,
+            roulette: 4,
         };
         let explanation = Explanation::new(&plan, &notes);
         insta::assert_snapshot!(explanation.to_string(), @r#"

@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::trace::{Photon, cosine_ratio};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
-use crate::integrate::li::interior;
+use crate::integrate::li::{Counters, interior};
 use crate::integrate::scatter;
 use crate::light::LightContext;
 use crate::math::INV_PI;
@@ -53,6 +53,8 @@ pub(in crate::integrate) struct PhotonMap {
 pub(super) struct Scale {
     /// Factor in this pass.
     pub(super) factor: f32,
+    /// Width of a pixel, in those of the picture.
+    pub(super) pixel: f32,
     /// The least distance from the camera that they are proportional to, metres.
     pub(super) nearest: f32,
     /// Radius of the smallest thing that throws light, metres.
@@ -61,8 +63,12 @@ pub(super) struct Scale {
 
 /// The factor on the radius in a pass, counted from zero: sqrt(prod (j + a) / (j + 1)) over j = 1 .. pass.
 pub(super) fn radius_scale(pass: u32) -> f32 {
-    let step = |j: u32| (f64::from(j) + ALPHA) / (f64::from(j) + 1.0);
-    (1..=pass).map(step).product::<f64>().sqrt() as f32
+    (1..=pass).map(shrink).product::<f64>().sqrt() as f32
+}
+
+/// The factor from the square of the radius in the pass before to that in pass j, from one on.
+pub(super) fn shrink(j: u32) -> f64 {
+    (f64::from(j) + ALPHA) / (f64::from(j) + 1.0)
 }
 
 impl PhotonMap {
@@ -76,8 +82,8 @@ impl PhotonMap {
 
     /// The radius of the disk around `p`; `spread` says whether light has been spread on its way from there.
     fn radius(&self, scene: &Prepared, p: Vec3, spread: bool) -> f32 {
-        let Scale { factor, nearest, smallest } = self.scale;
-        let pixel = scene.camera.footprint(p, nearest);
+        let Scale { factor, pixel, nearest, smallest } = self.scale;
+        let pixel = pixel * scene.camera.footprint(p, nearest);
         let width = if spread { RADIUS_SPREAD } else { RADIUS };
         (width * pixel).min(RADIUS_OF_TARGET * smallest).max(RADIUS_LEAST * pixel) * factor
     }
@@ -148,6 +154,7 @@ pub(in crate::integrate) fn caustics_at(
     context: &LightContext,
     media: [Medium; 2],
     (depth, spread): (u32, bool),
+    counters: &mut Counters,
 ) -> Rgb {
     let r = map.radius(scene, context.p, spread);
     let inv_r2 = 1.0 / (r * r);
@@ -155,6 +162,7 @@ pub(in crate::integrate) fn caustics_at(
     let most = scene.max_depth.map_or(u32::MAX, |cap| cap.saturating_sub(depth + 1));
     let mut sum = Rgb::BLACK;
     map.within(context.p, r, &mut |photon, d2| {
+        counters.gathered += 1;
         if photon.ng.dot(context.ng) < SAME_SURFACE || photon.bounces > most {
             return;
         }
@@ -199,7 +207,8 @@ mod tests {
     fn the_tree_finds_what_is_there() {
         for n in [0, 1, 8, 9, 17, 1000, 4097] {
             let all = photons(n);
-            let map = PhotonMap::new(all.clone(), Scale { factor: 1.0, nearest: 1.0, smallest: 1.0 });
+            let map =
+                PhotonMap::new(all.clone(), Scale { factor: 1.0, pixel: 1.0, nearest: 1.0, smallest: 1.0 });
             for (i, r) in [(3u64, 0.05f32), (10, 0.3), (77, 0.0), (5, 2.0)] {
                 let p = photons(i + 1)[i as usize].p;
                 let mut found = Vec::new();

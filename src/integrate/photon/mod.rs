@@ -38,8 +38,36 @@ const CHUNK: u32 = 4096;
 
 /// Photons of one pass of a picture of this many pixels: one for each, so that neither tracing them nor
 /// looking them up outweighs the paths.
-fn photons(pixels: u64) -> u32 {
+pub(crate) fn photons(pixels: u64) -> u32 {
     pixels.min(MOST_PHOTONS) as u32
+}
+
+/// How wide the disks are that photons are gathered from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Radius {
+    /// Factor on the radius of the first pass.
+    pub(crate) factor: f32,
+    /// Width of the pixels that radii are measured in, in those of the picture.
+    pub(crate) pixel: f32,
+}
+
+impl Radius {
+    /// That of a pass.
+    pub(crate) fn of(pass: u32) -> Self {
+        Self { factor: map::radius_scale(pass), pixel: 1.0 }
+    }
+
+    /// The mean over so many passes of a power of the factor.
+    pub(crate) fn mean_power(passes: u32, exponent: f64) -> f64 {
+        let mut square = 1.0;
+        let powers = (0..passes).map(|pass| {
+            if pass > 0 {
+                square *= map::shrink(pass);
+            }
+            libm::pow(square, 0.5 * exponent)
+        });
+        powers.sum::<f64>() / f64::from(passes.max(1))
+    }
 }
 
 /// Traces the photons of passes.
@@ -65,6 +93,11 @@ impl<'a> Tracer<'a> {
         let pixels = u64::from(scene.size[0]) * u64::from(scene.size[1]);
         let casting = scene.casting()?;
         Some(Self { scene, casting, crop, photons: photons(pixels) })
+    }
+
+    /// With so many photons in a pass.
+    pub(super) fn with(self, photons: u32) -> Self {
+        Self { photons: photons.max(1), ..self }
     }
 
     /// Parts that the photons of a pass are traced in.
@@ -96,13 +129,14 @@ impl<'a> Tracer<'a> {
     }
 
     /// The map of a pass from all of its photons, part after part.
-    pub(super) fn map(&self, pass: u32, parts: Vec<Vec<Photon>>) -> PhotonMap {
+    pub(super) fn map(&self, radius: Radius, parts: Vec<Vec<Photon>>) -> PhotonMap {
         let targets = || self.casting.lights.aim().targets().iter().map(|t| t.ball);
         let least = |lengths: &mut dyn Iterator<Item = f32>| lengths.fold(f32::INFINITY, f32::min);
         // What is nearer to the camera than the nearest target gathers as from there.
         let away = |b: SphereLight| self.scene.camera.distance(b.center).max(b.radius);
         let scale = map::Scale {
-            factor: map::radius_scale(pass),
+            factor: radius.factor,
+            pixel: radius.pixel,
             nearest: least(&mut targets().map(away)),
             smallest: least(&mut targets().map(|b| b.radius)),
         };

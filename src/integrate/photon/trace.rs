@@ -21,7 +21,7 @@ use crate::color::Rgb;
 use crate::integrate::direct::emitted_share;
 use crate::integrate::li::{Counters, FAR_CAP, interior, is_there};
 use crate::integrate::{roulette, scatter as lobes};
-use crate::prepare::{Casting, Detail, Prepared, PreparedMaterial, Surface};
+use crate::prepare::{Casting, Detail, Prepared, PreparedMaterial, ROULETTE_START, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
@@ -133,7 +133,7 @@ pub(super) fn walk(
         }
         ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, w), w);
         bounces += 1;
-        match roulette::survive(beta, 1.0, bounces, u[3]) {
+        match roulette::survive(beta, 1.0, bounces, ROULETTE_START, u[3]) {
             Some(scale) => {
                 power *= scale;
                 beta *= scale;
