@@ -168,7 +168,7 @@ pub(super) fn indirect(
         ),
         Indirect::Photon => (
             Indirect::Photon,
-            "asked for: a photon map where a path is spread for the second time; its bias vanishes as passes are added",
+            "a map where a path is spread for the second time; its bias vanishes as passes are added",
         ),
     }
 }
