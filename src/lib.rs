@@ -29,6 +29,7 @@ mod mutants;
 pub mod output;
 mod page;
 pub mod part;
+pub mod pilot;
 pub mod prepare;
 pub mod price;
 pub mod quote;

@@ -4,6 +4,8 @@
 //! code (`Code`). `args` holds flags as typed; each subcommand turns them into options as meant in
 //! one step and calls the library, which sees only options. Nothing else in the crate prints.
 
+mod adopt;
+mod algorithm;
 mod args;
 mod check;
 mod compare;
@@ -11,6 +13,7 @@ mod console;
 mod convert;
 mod cost;
 mod demo;
+mod doubt;
 mod explain;
 mod failure;
 mod forecast;

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use clap::Args;
 use serde::Serialize;
 
-use super::args::{AlgorithmArgs, SceneArgs, Size};
+use super::algorithm::AlgorithmArgs;
+use super::args::{SceneArgs, Size};
 use super::console::Console;
 use super::failure::Failure;
 use super::machine::{ErrorJson, Machine};
@@ -17,6 +18,7 @@ use super::units::{self, show_range, show_time};
 use super::{Code, load, render};
 use crate::film::LightLayer;
 use crate::integrate::{Control, RenderOptions};
+use crate::pilot::{self as pilots, Asked};
 use crate::prepare::{Algorithms, Caustics, CausticsMode, Prepared};
 use crate::quote::{EffectShare, Pilot, Quote, RAYS, pilot};
 use crate::scene::{Camera, Scene};
@@ -210,7 +212,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
                 rays: pilot.rays,
                 seconds: pilot.elapsed.as_secs_f64(),
                 threads: pilot.threads,
-                error: pilot.error.map(ErrorJson::from),
+                error: pilot.error.map(|e| ErrorJson::new(&e, &[])),
             },
             seconds_per_sample: pilot.pass_seconds,
             quotes: prices.into_iter().map(|(error, quote)| PriceJson::new(error, quote)).collect(),
@@ -249,7 +251,8 @@ fn prepare(
     options.max_depth = args.max_depth.or(options.max_depth);
     options.algorithms = algorithms;
     args.shortcuts.take(&mut options);
-    crate::prepare::prepare(scene, &options)
+    let asked = Asked { threads: args.threads, ..Asked::default() };
+    pilots::prepare(scene, &options, &asked)
         .map_err(|e| Failure::load(format!("{}: {e}", args.scene.scene.display())))
 }
 
@@ -261,7 +264,7 @@ fn write_pilot(text: &mut String, pilot: &Pilot) {
     let seconds = show_time(pilot.elapsed.as_secs_f64());
     let _ =
         writeln!(text, "pilot: {} samples {where_} in {seconds} on {} threads", pilot.passes, pilot.threads);
-    match pilot.error.as_ref().map(error_line) {
+    match pilot.error.as_ref().map(|e| error_line(e, &[])) {
         Some(line) => text.push_str(&format!("       {line}\n")),
         None => text.push_str("       the picture is black, or its error cannot be estimated\n"),
     }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Code;
+use super::adopt::{adopt, choices, flags};
 use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs, SlipArg};
 use super::compare::unusable;
 use super::console::Console;
@@ -15,6 +16,7 @@ use super::forecast::{Forecaster, Quoted};
 use super::load::{self, Loaded};
 use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_line, report_path};
 use super::notes;
+use super::parts::Checkpoint;
 use super::progress::{Display, Watch};
 use super::saver::{Saved, Saver};
 use super::schema::{to_json, to_json_line};
@@ -22,13 +24,14 @@ use super::shortcuts::{self, PricedJson};
 use super::signal::Stop;
 use super::stated::Stated;
 use super::units::{show_share, show_time};
-use crate::film::{Film, Image, Refusal};
+use crate::film::{Doubt, Film, Image, Refusal};
 use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
 use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tracer, rays_per_pixel};
 use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
-use crate::part::Identity;
-use crate::prepare::{self, EffectsMode, Plan, PrepareError, Prepared};
+use crate::part::{Identity, Part};
+use crate::pilot::{self, Asked};
+use crate::prepare::{self, Algorithms, Caustics, EffectsMode, Plan, PrepareError, Prepared};
 use crate::price::Priced;
 use crate::report::Explanation;
 use crate::scene::{Camera, Note, NoteEffect, Scene, sha256};
@@ -122,6 +125,11 @@ pub(super) fn picture_size(scene: &Scene, camera: &Camera, asked: Option<[u32; 2
     asked.or(scene.settings.size).unwrap_or_else(from_aspect)
 }
 
+/// Samples per pixel where none are asked for: as the scene says, else 64.
+pub(super) fn default_samples(scene: &Scene) -> u32 {
+    scene.settings.spp.unwrap_or(64).clamp(1, MAX_SAMPLES)
+}
+
 /// A render as meant.
 pub(super) struct Job {
     scene_name: String,
@@ -130,6 +138,8 @@ pub(super) struct Job {
     camera: String,
     /// Samples per pixel, at most.
     pub(super) passes: u32,
+    /// Samples per pixel as a pilot has to know them: none for parts, and where something else ends the render.
+    samples: Option<u32>,
     /// The first pass.
     first: u32,
     error: Option<f64>,
@@ -169,10 +179,10 @@ struct Rendered {
 
 impl Rendered {
     /// From a render whose film held the passes from `first` on before.
-    fn new(outcome: Outcome, first: u32, plan: Plan, prices: Vec<Priced>) -> Self {
+    fn new(outcome: Outcome, first: u32, plan: Plan, lights: &[String], prices: Vec<Priced>) -> Self {
         Self {
             image: outcome.film.to_image(),
-            stated: Stated::of_outcome(&outcome, first),
+            stated: Stated::of_outcome(&outcome, first, lights),
             plan,
             prices,
             added: outcome.passes.end - outcome.passes.start,
@@ -201,10 +211,11 @@ impl Job {
                 max_depth: hints.max_depth,
                 shortcuts: prepare::Shortcuts::of(hints),
                 transparent: false,
-                algorithms: prepare::Algorithms::default(),
+                algorithms: Algorithms::default(),
             },
             camera: camera.name.clone(),
-            passes: hints.spp.unwrap_or(64).clamp(1, MAX_SAMPLES),
+            passes: default_samples(scene),
+            samples: Some(default_samples(scene)),
             first: 0,
             error: None,
             checkpoint: None,
@@ -239,6 +250,8 @@ impl Job {
             (None, true) => MAX_SAMPLES,
             (None, false) => job.passes,
         };
+        let unlimited = args.spp.is_none() && (args.time.is_some() || args.error.is_some());
+        job.samples = Some(job.passes).filter(|_| args.passes.is_none() && !unlimited);
         if let Some(passes) = &args.passes {
             (job.first, job.passes) = (passes.start, passes.end);
         }
@@ -252,6 +265,9 @@ impl Job {
         job.tone.curve = args.tone.map_or(job.tone.curve, Into::into);
         job.tone.exposure = args.exposure.unwrap_or(job.tone.exposure);
         job.method = args.method;
+        if job.method != Method::Default {
+            job.prepare.algorithms = Algorithms::PATHS;
+        }
         job.slips = args.as_printed.as_deref().map_or(Slips::NONE, SlipArg::slips);
         if job.method == Method::Report {
             job.passes = rays_per_pixel(job.passes);
@@ -311,8 +327,9 @@ impl Job {
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
         rendered.quoted = watch.forecaster.as_ref().and_then(Forecaster::quoted);
-        rendered.image.attributes =
-            rendered.stated.attributes(&self.identity(&rendered.plan, &hash, &rendered.prices)?);
+        let lights = &rendered.stated.lights;
+        let identity = self.identity(&rendered.plan, lights, &hash, &rendered.prices)?;
+        rendered.image.attributes = rendered.stated.attributes(&identity);
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
         for path in &self.outputs {
@@ -335,8 +352,20 @@ impl Job {
         Ok(stopped.unwrap_or(if short { Code::Short } else { Code::Done }))
     }
 
-    fn prepared(&self, scene: &Scene) -> Result<Prepared, Failure> {
-        prepare::prepare(scene, &self.prepare).map_err(|e| match e {
+    /// The scene, prepared by the plan of what was saved of this render, or by one that is made for it.
+    fn prepared(&self, scene: &Scene, saved: Option<&Part>) -> Result<Prepared, Failure> {
+        let prepared = match saved {
+            Some(part) => {
+                let mut options = self.prepare.clone();
+                let plan = adopt(scene, &mut options, &part.identity);
+                plan.and_then(|plan| prepare::prepare_planned(scene, &options, plan))
+            }
+            None => {
+                let asked = Asked { samples: self.samples, error: self.error, threads: self.threads };
+                pilot::prepare(scene, &self.prepare, &asked)
+            }
+        };
+        prepared.map_err(|e| match e {
             PrepareError::NoCamera => Failure::load(format!("{}: {e}", self.scene_name)),
             _ => Failure::usage(e.to_string()),
         })
@@ -344,7 +373,7 @@ impl Job {
 
     /// Traces one sample alone.
     fn replay(&self, scene: &Scene, [x, y, pass]: [u32; 3], console: &Console) -> Result<Code, Failure> {
-        let prepared = self.prepared(scene)?;
+        let prepared = self.prepared(scene, None)?;
         let [width, height] = prepared.size;
         if x >= width || y >= height || pass >= MAX_SAMPLES {
             let most = MAX_SAMPLES - 1;
@@ -369,7 +398,9 @@ impl Job {
         console: &Console,
     ) -> Result<Option<(Rendered, f64)>, Failure> {
         let begin = Instant::now();
-        let prepared = self.prepared(scene)?;
+        let checkpoint = self.checkpoint.as_deref().map(Checkpoint::new);
+        let found = checkpoint.as_ref().map_or(Ok(None), Checkpoint::read)?;
+        let prepared = self.prepared(scene, found.as_ref().map(|f| &f.part))?;
         let Some(prices) = shortcuts::prices(scene, &self.prepare, self.threads, watch)? else {
             return Ok(None);
         };
@@ -397,13 +428,14 @@ impl Job {
             layers: self.aovs.contains(&Aov::Layers),
             layer_noise: false,
         };
-        let identity = self.identity(&prepared.plan, hash, &prices)?;
+        let identity = self.identity(&prepared.plan, prepared.lights_apart(), hash, &prices)?;
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);
         let mut film = Film::new(integrate::layout(&prepared, &options));
         let mut saver = None;
-        if let Some(path) = &self.checkpoint {
+        if let Some(checkpoint) = checkpoint {
+            let every = self.checkpoint_every;
             let (opened, saved) =
-                Saver::open(path, &identity, screen, &options.passes, self.checkpoint_every, console)?;
+                Saver::open(checkpoint, found, &identity, screen, &options.passes, every, console)?;
             if let Some(part) = saved {
                 options.passes.start = part.passes.last().map_or(self.first, |r| r.end);
                 watch.before.store(options.passes.start, Ordering::Relaxed);
@@ -420,7 +452,8 @@ impl Job {
         if let Some(saver) = &saver {
             saver.finish(&outcome)?;
         }
-        Ok(Some((Rendered::new(outcome, self.first, prepared.plan.clone(), prices), seconds)))
+        let (plan, lights) = (prepared.plan.clone(), prepared.lights_apart());
+        Ok(Some((Rendered::new(outcome, self.first, plan, lights, prices), seconds)))
     }
 
     /// The report's method; what it renders otherwise is added to the notes.
@@ -460,7 +493,7 @@ impl Job {
         notes.extend(tracer.notes().iter().cloned());
         let outcome = tracer.render(&options, watch).map_err(failure)?;
         let plan = prepare::analyse(scene, &scene.cameras[camera], &self.prepare);
-        Ok(Rendered::new(outcome, 0, plan, Vec::new()))
+        Ok(Rendered::new(outcome, 0, plan, &[], Vec::new()))
     }
 
     fn camera_index(&self, scene: &Scene) -> usize {
@@ -503,7 +536,11 @@ impl Job {
         let partial = image.count.as_ref().is_some_and(|c| c.contains(&0));
         Ok(Rendered {
             image,
-            stated: Stated { passes: std::iter::once(0..self.passes).collect(), partial, error: None },
+            stated: Stated {
+                passes: std::iter::once(0..self.passes).collect(),
+                partial,
+                ..Stated::default()
+            },
             plan: prepare::analyse(scene, &scene.cameras[index], &self.prepare),
             prices: Vec::new(),
             added: self.passes,
@@ -518,7 +555,13 @@ impl Job {
 
     /// What the picture is of: all that samples depend on. The kernel is not among it, since it never changes the
     /// picture.
-    fn identity(&self, plan: &Plan, hash: &str, prices: &[Priced]) -> Result<Identity, Failure> {
+    fn identity(
+        &self,
+        plan: &Plan,
+        lights: &[String],
+        hash: &str,
+        prices: &[Priced],
+    ) -> Result<Identity, Failure> {
         let effects = plan.needs.iter().map(|n| n.effect.name()).collect::<Vec<_>>().join(", ");
         let mut list = vec![
             ("software", software()),
@@ -530,7 +573,7 @@ impl Job {
             ("effects", effects),
         ];
         if self.method == Method::Default {
-            list.push(("caustics", plan.caustics.name().to_owned()));
+            list.extend(choices(plan));
         }
         if self.method != Method::Reference {
             list.push(("replications", plan.replications.to_string()));
@@ -544,7 +587,7 @@ impl Job {
         }
         if self.method == Method::Default {
             let Record { json, sha256 } = explain::record(plan)?;
-            list.extend([("plan", json), ("plan_sha256", sha256)]);
+            list.extend([("plan", json), ("plan_sha256", sha256), ("lights", to_json_line(lights)?)]);
         }
         Ok(Identity(list.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()))
     }
@@ -582,7 +625,7 @@ impl Job {
             seed: self.prepare.seed,
             passes: rendered.stated.passes.first().map_or([0, 0], |r| [r.start, r.end]),
             partial: rendered.stated.partial,
-            error: rendered.stated.error.map(ErrorJson::from),
+            error: rendered.stated.error.map(|e| ErrorJson::new(&e, &rendered.stated.lights)),
             quoted: rendered.quoted,
             stopped_by_signal,
             seconds,
@@ -630,13 +673,23 @@ impl Job {
             }
             console.message(&line);
         }
+        let doubt = rendered.stated.error.and_then(|e| e.doubt);
+        if matches!(doubt, Some(Doubt::LightNotFound { caustic: true, .. }))
+            && rendered.plan.caustics == Caustics::Path
+        {
+            console.message("help: --algorithm caustics=photon finds it");
+        }
         if let Some(quoted) = rendered.quoted.filter(|_| rendered.reached) {
             console.message(&quoted.beside(seconds.render));
         }
         if rendered.stated.partial {
             console.message("note: not one sample of every pixel is done; the picture is partial");
         } else if self.first + all != self.passes {
-            console.message(&format!("--spp {all} repeats this picture"));
+            // With so many samples, or without an error, a pilot might choose otherwise.
+            let piloted = rendered.plan.choices.iter().any(|c| c.about == "pilot");
+            let other = piloted && (all < pilot::LEAST_SAMPLES || self.error.is_some());
+            let flags = if other { flags(&rendered.plan) } else { String::new() };
+            console.message(&format!("--spp {all}{flags} repeats this picture"));
         }
         if stopped.is_some() {
             console.message("stopped by a signal; what was done is saved");

@@ -1,7 +1,6 @@
 //! Saving a render while it runs.
 
 use std::ops::Range;
-use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -28,20 +27,19 @@ pub(super) struct Saver<'a> {
 }
 
 impl<'a> Saver<'a> {
-    /// The file, and what it holds of the render; `passes` are those that are asked for, and `interval` is the time
-    /// between two checkpoints.
+    /// The file, and what was `found` in it of the render; `passes` are those that are asked for, and `interval` is the
+    /// time between two checkpoints.
     pub(super) fn open(
-        path: &Path,
+        checkpoint: Checkpoint,
+        found: Option<Found>,
         identity: &Identity,
         screen: (String, f32),
         passes: &Range<u32>,
         interval: Duration,
         console: &'a Console,
     ) -> Result<(Self, Option<Part>), Failure> {
-        let checkpoint = Checkpoint::new(path);
-        let found = checkpoint.read()?;
         let usage = |message: String| {
-            Failure::usage(format!("--checkpoint {}: {message}", path.display()))
+            Failure::usage(format!("--checkpoint {}: {message}", checkpoint.path().display()))
                 .help("remove the file to begin anew, or name another one")
         };
         let mut before = Counters::default();

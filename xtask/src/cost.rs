@@ -4,7 +4,7 @@
 //! README.md between its two marks. The table holds what is counted (samples, rays), and no seconds: whoever runs
 //! this again gets the same. Its first mark names the scenes by their contents, and `cargo xtask tidy` checks that.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
@@ -22,8 +22,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 32)]
     spp: u32,
     /// Width of the pictures that are measured
-    #[arg(long, value_name = "N", default_value_t = 96)]
+    #[arg(long, value_name = "N", default_value_t = 64)]
     width: u32,
+    /// The program to measure with [default: target/release/epsilux, which is built first]
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
 }
 
 /// The marks around the table.
@@ -37,11 +40,10 @@ const NAMED: usize = 3;
 /// Runs the chore; an error is a message for people.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository");
-    let build =
-        Command::new(env!("CARGO")).args(["build", "--release", "--quiet"]).current_dir(root).status();
-    if !build.map_err(|e| format!("cargo could not be started: {e}"))?.success() {
-        return Err("the program could not be built".to_owned());
-    }
+    let program = match &arguments.program {
+        Some(program) => program.clone(),
+        None => built(root)?,
+    };
     let all = scenes(root)?;
     let known = |name: &String| all.iter().any(|(n, _)| n == name);
     if let Some(unknown) = arguments.scenes.iter().find(|n| !known(n)) {
@@ -53,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     let mut rows = Vec::new();
     for (name, _) in all.iter().filter(|(n, _)| arguments.scenes.is_empty() || arguments.scenes.contains(n)) {
         let [page, json] = ["html", "json"].map(|suffix| folder.join(format!("{name}.{suffix}")));
-        let mut command = Command::new(root.join("target/release/epsilux"));
+        let mut command = Command::new(&program);
         command.arg("cost").arg(format!("scenes/{name}.toml")).current_dir(root);
         command.args(["--spp", &arguments.spp.to_string(), "--width", &arguments.width.to_string()]);
         let status = command.arg("-o").arg(&page).arg("--json").arg(&json).status();
@@ -70,6 +72,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
         rows.iter().for_each(|row| println_line(row));
         Ok(())
     }
+}
+
+/// The release program, built.
+fn built(root: &Path) -> Result<PathBuf, String> {
+    let build =
+        Command::new(env!("CARGO")).args(["build", "--release", "--quiet"]).current_dir(root).status();
+    if !build.map_err(|e| format!("cargo could not be started: {e}"))?.success() {
+        return Err("the program could not be built".to_owned());
+    }
+    Ok(root.join("target/release/epsilux"))
 }
 
 /// Names and texts of the scenes, by name.

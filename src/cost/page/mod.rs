@@ -35,11 +35,12 @@ pub fn page(report: &CostReport, pictures: &Pictures, prices: &[check::Price], a
     let words = Words::new(report);
     let title = format!("What accuracy costs: {}", report.scene);
     let body = format!(
-        "{}<main>\n{}{}{}{}{}{}{}</main>\n{}",
+        "{}<main>\n{}{}{}{}{}{}{}{}</main>\n{}",
         header(report, pictures, &words),
         prices::answers(report, &words),
         section("switches", "Every switch", &prices::table(report, &words)),
         section("plots", "Error over time", &plots::all(report, &words)),
+        section("consists", "What the error consists of", &prices::consists(report)),
         section("pictures", "Seen side by side", &shots::all(report, pictures, &words)),
         section("parts", "What the picture is made of", &made_of::layers(report, pictures)),
         section("beforehand", "Said beforehand, and what came", &prices::beforehand(report)),

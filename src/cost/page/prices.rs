@@ -137,9 +137,7 @@ pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
             .map_or_else(|| "unknown".into(), |e| if e < 9.95 { format!("{e:.2}") } else { round(e) });
         format!(
             "<tr><th scope=\"row\">{}<span class=\"what\">{}{}</span></th><td class=\"n\" data-is=\"takes\">{}</td>\
-             <td class=\"n\" data-is=\"efficiency\">{}{}</td><td class=\"n\" data-is=\"rays a sample\">{:.1}</td>\
-             <td class=\"n\" data-is=\"light\">{}</td><td class=\"n\" data-is=\"error floor\">{}</td>\
-             <td class=\"n\" data-is=\"better until\">{}</td></tr>\n",
+             <td class=\"n\" data-is=\"efficiency\">{}{}</td><td class=\"n\" data-is=\"rays a sample\">{:.1}</td>{}{}{}</tr>\n",
             Text(&capital(&m.name)),
             Text(&m.what),
             flag(m),
@@ -147,9 +145,9 @@ pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
             Text(&efficiency),
             efficiency_bar(m.efficiency),
             m.rays_per_sample,
-            Text(&change),
-            Text(&floor),
-            words.until(&m.until),
+            cell("light", &change),
+            cell("error floor", &floor),
+            cell("better until", &words.until(&m.until)),
         )
     };
     let mut rows = String::new();
@@ -174,6 +172,12 @@ pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
     )
 }
 
+/// A cell of HTML; narrow screens leave out those with nothing in them.
+fn cell(name: &str, html: &str) -> String {
+    let none = if html == "\u{2013}" { " none" } else { "" };
+    format!("<td class=\"n{none}\" data-is=\"{name}\">{html}</td>")
+}
+
 /// How it is typed.
 fn flag(m: &Measured) -> String {
     if m.flag.is_empty() { String::new() } else { format!(" <code>{}</code>", Text(&m.flag)) }
@@ -188,6 +192,41 @@ fn efficiency_bar(efficiency: Option<f64>) -> String {
         "<svg class=\"efficiency\" viewBox=\"0 0 80 8\" aria-hidden=\"true\"><rect class=\"{class}\" x=\"{x:.1}\" y=\"1\" \
          width=\"{:.1}\" height=\"6\"/><path class=\"axis\" d=\"M40 0V8\"/></svg>",
         length.abs()
+    )
+}
+
+/// What the squared error of each way consists of, at the most samples that were measured.
+pub(super) fn consists(report: &CostReport) -> String {
+    let reference = report.reference_error * report.reference_error;
+    let row = |m: &Measured| {
+        let last = m.points.last()?;
+        let parts = [last.noise * last.noise, last.bias_squared.value.max(0.0), reference];
+        let all: f64 = parts.iter().sum();
+        let mut from = 0.0;
+        let mut bars = String::new();
+        for (part, class) in parts.iter().zip(["blue", "green", "grey"]) {
+            let width = 100.0 * part / all.max(f64::MIN_POSITIVE);
+            bars += &format!("<rect class=\"{class}\" x=\"{from:.1}\" width=\"{width:.1}\" height=\"10\"/>");
+            from += width;
+        }
+        Some(format!(
+            "<li><span class=\"name\">{}</span> <span class=\"number\">{}</span><svg class=\"stack\" viewBox=\"0 0 100 10\" \
+             preserveAspectRatio=\"none\" role=\"img\"><title>noise {}, bias {}, noise of the reference {}</title>{bars}</svg></li>\n",
+            Text(&capital(&m.name)),
+            Text(&percent(last.error.value)),
+            Text(&percent(parts[0].sqrt())),
+            Text(&percent(parts[1].sqrt())),
+            Text(&percent(report.reference_error)),
+        ))
+    };
+    let rows: String = report.switches.iter().filter_map(row).collect();
+    if rows.is_empty() {
+        return rows;
+    }
+    format!(
+        "<p class=\"note\">Shares of E\u{b2} after the most samples that were measured, for about the same time each: \
+         <span class=\"key expected\">noise</span> <span class=\"key floor\">bias</span> <span class=\"key reference\">noise of the \
+         reference, which is subtracted</span></p>\n<ul class=\"bars stacks\">\n{rows}</ul>\n"
     )
 }
 
