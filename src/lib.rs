@@ -13,6 +13,7 @@ pub mod check;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod color;
+pub mod cost;
 pub mod export;
 pub mod film;
 pub mod golden;
@@ -26,9 +27,12 @@ pub mod mutants;
 #[cfg(not(epsilux_mutants))]
 mod mutants;
 pub mod output;
+mod page;
 pub mod part;
 pub mod pilot;
 pub mod prepare;
+pub mod price;
+pub mod quote;
 mod rare;
 pub mod report;
 pub mod sampling;

@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::fresnel::{dielectric, refract};
+use super::fresnel::{Fresnel, refract};
 use super::tables::Albedo;
 use super::{Transport, ggx};
 use crate::color::Rgb;
@@ -23,6 +23,8 @@ pub struct RoughDielectric {
     pub tint: Rgb,
     /// True for a sheet that light passes without bending.
     pub thin: bool,
+    /// Its reflectance.
+    pub fresnel: Fresnel,
     /// Total single-scattering albedo for light incident from outside and from inside.
     pub total: [Albedo; 2],
 }
@@ -47,7 +49,7 @@ impl RoughDielectric {
 
     /// Share of light that a microfacet reflects at `cos`, and the cosine beyond it.
     fn reflectance(&self, cos: f32, eta: f32) -> (f32, f32) {
-        let (r, cos_t) = dielectric(cos, eta);
+        let (r, cos_t) = self.fresnel.dielectric(cos, eta);
         if self.thin { (2.0 * r / (1.0 + r), cos_t) } else { (r, cos_t) }
     }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::fresnel::{dielectric, refract};
+use super::fresnel::{Fresnel, refract};
 use super::{BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::mutants::planted;
@@ -16,6 +16,8 @@ pub struct Glass {
     pub tint: Rgb,
     /// True for a sheet that encloses nothing: light passes straight, after all reflections within.
     pub thin: bool,
+    /// Its reflectance.
+    pub fresnel: Fresnel,
 }
 
 impl Glass {
@@ -25,7 +27,7 @@ impl Glass {
     pub fn sample(&self, wo: Vec3, u: f32, transport: Transport) -> Option<BsdfSample> {
         let cos_o = wo.z.abs();
         if self.thin {
-            let (r, _) = dielectric(cos_o, self.ior);
+            let (r, _) = self.fresnel.dielectric(cos_o, self.ior);
             // Both faces of the sheet, and every path between them: R + T^2 R / (1 - R^2).
             let r = 2.0 * r / (1.0 + r);
             return if u < r {
@@ -35,7 +37,7 @@ impl Glass {
             };
         }
         let eta = if wo.z > 0.0 { self.ior } else { 1.0 / self.ior };
-        let (r, cos_t) = dielectric(cos_o, eta);
+        let (r, cos_t) = self.fresnel.dielectric(cos_o, eta);
         if u < r {
             return reflected(wo, r);
         }
@@ -62,8 +64,9 @@ mod tests {
     /// N38: energy is conserved in every single sample, not only on average.
     #[test]
     fn every_sample_of_clear_glass_weighs_one() {
-        for thin in [false, true] {
-            let glass = Glass { ior: 1.5, tint: Rgb::WHITE, thin };
+        let exact = Fresnel::Exact;
+        for (thin, fresnel) in [(false, exact), (true, exact), (false, Fresnel::Schlick)] {
+            let glass = Glass { ior: 1.5, tint: Rgb::WHITE, thin, fresnel };
             for i in 0..2000 {
                 let mu = (i as f32 + 0.5) / 1000.0 - 1.0;
                 let wo = Vec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);

@@ -13,13 +13,13 @@
 
 use glam::Vec3;
 
-use super::fresnel::dielectric;
+use super::fresnel::Fresnel;
 use super::tables::Albedo;
 use super::{SMOOTH_ALPHA, ggx};
 use crate::color::Rgb;
 use crate::math::{self, INV_PI, PI, sin_cos_turn};
 
-/// A clear dielectric coat with exact Fresnel reflection.
+/// A clear dielectric coat.
 #[derive(Clone, Debug)]
 pub struct Coat {
     /// Share of the surface that has it, (0, 1].
@@ -28,6 +28,8 @@ pub struct Coat {
     pub alpha: f32,
     /// Index of refraction, above one.
     pub ior: f32,
+    /// Its reflectance.
+    pub fresnel: Fresnel,
     /// Albedo of the whole lobe at weight one; `None` where smooth.
     pub albedo: Option<Albedo>,
 }
@@ -47,7 +49,7 @@ impl Coat {
         self.weight
             * match &self.albedo {
                 Some(row) => row.at(mu),
-                None => dielectric(mu, self.ior).0,
+                None => self.fresnel.dielectric(mu, self.ior).0,
             }
     }
 
@@ -58,7 +60,7 @@ impl Coat {
         let Some(m) = (wo + wi).try_normalize().filter(|_| !self.is_smooth()) else { return (0.0, 0.0) };
         let (lo, li) = (ggx::lambda(wo, self.alpha), ggx::lambda(wi, self.alpha));
         let d = ggx::d(m, self.alpha);
-        let r = dielectric(wo.dot(m), self.ior).0;
+        let r = self.fresnel.dielectric(wo.dot(m), self.ior).0;
         let f = self.weight * r * d * ggx::g2(lo, li) / (4.0 * wo.z * wi.z);
         (f, d / (4.0 * wo.z * (1.0 + lo)))
     }

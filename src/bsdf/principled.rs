@@ -12,7 +12,7 @@
 use glam::Vec3;
 
 use super::dielectric::RoughDielectric;
-use super::fresnel::{dielectric, schlick};
+use super::fresnel::{Fresnel, schlick};
 use super::layers::{Coat, Sheen};
 use super::tables::Albedo;
 use super::{BsdfSample, Diffuse, Glass, SMOOTH_ALPHA, Transport, ggx, same_side};
@@ -29,6 +29,8 @@ pub struct Specular {
     pub tint: Rgb,
     /// The index whose reflectance at normal incidence is `f0`.
     pub eta: f32,
+    /// The curve between normal and grazing incidence.
+    pub fresnel: Fresnel,
     /// Share of the grazing term in the lobe's albedo; `None` for a smooth layer.
     pub grazing: Option<Albedo>,
     /// Cosine-weighted average of the Fresnel term.
@@ -36,16 +38,16 @@ pub struct Specular {
 }
 
 impl Specular {
-    /// Fresnel term: from the tint at normal incidence to white at grazing, along the exact curve.
+    /// Fresnel term: from the tint at normal incidence to white at grazing, along the curve.
     #[inline]
     fn fresnel(&self, cos: f32) -> Rgb {
         self.mix(self.grazing_share(cos))
     }
 
-    /// How far the exact curve has risen from its value at normal incidence, [0, 1].
+    /// How far the curve has risen from its value at normal incidence, [0, 1].
     #[inline]
     pub(super) fn grazing_share(&self, cos: f32) -> f32 {
-        ((dielectric(cos, self.eta).0 - self.f0) / (1.0 - self.f0)).clamp(0.0, 1.0)
+        self.fresnel.grazing_share(cos, self.eta, self.f0)
     }
 
     fn mix(&self, share: f32) -> Rgb {

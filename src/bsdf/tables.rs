@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::fresnel::{dielectric, refract};
+use super::fresnel::{Fresnel, refract};
 use super::ggx;
 
 /// Intervals of a row. Nodes are dense towards grazing angles: node i stands at mu = (i / N)^2.
@@ -134,10 +134,10 @@ pub fn reflected(mu: f32, alpha: f32, fresnel: impl Fn(f32) -> f32) -> f32 {
 /// Albedo of the single-scattering dielectric lobes together, reflected and transmitted, without tint
 /// and without the radiance scaling; `eta` = n_transmitted / n_incident.
 #[must_use]
-pub fn dielectric_total(mu: f32, alpha: f32, eta: f32) -> f32 {
+pub fn dielectric_total(mu: f32, alpha: f32, eta: f32, fresnel: Fresnel) -> f32 {
     quadrature(mu, alpha, |wo, m, lambda_o| {
         let cos = wo.dot(m);
-        let (r, cos_t) = dielectric(cos, eta);
+        let (r, cos_t) = fresnel.dielectric(cos, eta);
         let seen = |w: Vec3| (1.0 + lambda_o) * ggx::g2(lambda_o, ggx::lambda(w, alpha));
         let mut sum = 0.0;
         let up = m * (2.0 * cos) - wo;

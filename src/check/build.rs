@@ -10,7 +10,7 @@ use super::random::Random;
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::integrate::{Counters, LiFn, kernel};
-use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, Shortcuts, prepare};
 use crate::sampling::Address;
 use crate::scene::{
     Environment, Glass, Light, LightKind, Material, MaterialId, MaterialKind, Mesh, MeshId, Object,
@@ -173,6 +173,7 @@ impl Shooter {
             seed,
             effects,
             max_depth,
+            shortcuts: Shortcuts::default(),
             transparent: false,
             algorithms: Algorithms::PATHS,
         };

@@ -9,7 +9,7 @@ use super::closed_forms::fresnel;
 use super::random::Random;
 use super::stage::larger;
 use super::{Case, Class, Effort, Figure};
-use crate::bsdf::fresnel::{dielectric, refract};
+use crate::bsdf::fresnel::{Fresnel, dielectric, refract};
 use crate::bsdf::{Glass, Transport};
 use crate::color::Rgb;
 use crate::math::{Frame, ONE_MINUS_EPSILON};
@@ -178,7 +178,7 @@ fn critical_angle(effort: Effort) -> Vec<Figure> {
 fn transmitted(ior: f32, n: Vec3, d: Vec3) -> Option<Vec3> {
     let frame = Frame::from_z(n);
     let wo = frame.to_local(-d);
-    let glass = Glass { ior, tint: Rgb::WHITE, thin: false };
+    let glass = Glass { ior, tint: Rgb::WHITE, thin: false, fresnel: Fresnel::Exact };
     let sample = glass.sample(wo, ONE_MINUS_EPSILON, Transport::Radiance)?;
     (sample.wi.z * wo.z < 0.0).then(|| frame.to_world(sample.wi).normalize())
 }

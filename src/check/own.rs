@@ -8,7 +8,7 @@ use super::scaling::{moved, scaled};
 use crate::film::Image;
 use crate::integrate::naive::{ReferenceOptions, reference};
 use crate::integrate::{Control, Outcome, RenderOptions, RunError, render};
-use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, Shortcuts, prepare};
 use crate::report::{Verdict, compare};
 use crate::scene::{Scene, Shape};
 
@@ -96,6 +96,7 @@ impl Own<'_> {
             seed: 0,
             effects,
             max_depth: scene.settings.max_depth,
+            shortcuts: Shortcuts::default(),
             transparent: false,
             algorithms: Algorithms::PATHS,
         };

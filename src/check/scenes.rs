@@ -8,7 +8,7 @@ use super::{Case, Class, Effort, Figure, scaled};
 use crate::color::Rgb;
 use crate::film::Image;
 use crate::integrate::{Outcome, Quiet, RenderOptions, render};
-use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, Shortcuts, prepare};
 use crate::report::compare;
 use crate::scene::{Scene, complete, text, validate};
 
@@ -43,6 +43,7 @@ fn ready(scene: &Scene, size: [u32; 2], seed: u64) -> Option<Prepared> {
         seed,
         effects: EffectsMode::Auto,
         max_depth: scene.settings.max_depth,
+        shortcuts: Shortcuts::of(&scene.settings),
         transparent: false,
         algorithms: Algorithms::PATHS,
     };
@@ -76,6 +77,7 @@ fn constant(_: Effort) -> Vec<Figure> {
         seed: 0,
         effects: EffectsMode::Auto,
         max_depth: None,
+        shortcuts: Shortcuts::default(),
         transparent: false,
         algorithms: Algorithms::PATHS,
     };

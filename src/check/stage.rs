@@ -9,7 +9,7 @@ use super::{Effort, Figure};
 use crate::color::Rgb;
 use crate::film::Image;
 use crate::integrate::{Counters, Kernel, Quiet, RenderOptions, kernel, render};
-use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, Shortcuts, prepare};
 use crate::sampling::Address;
 use crate::scene::{
     Absorption, Camera, Environment, FovAxis, Glass, Lens, Material, MaterialId, MaterialKind, Mesh, MeshId,
@@ -119,6 +119,7 @@ pub(super) fn prepared(mut scene: Scene, id: &str, size: [u32; 2]) -> Option<Pre
         seed: seed(id),
         effects,
         max_depth: None,
+        shortcuts: Shortcuts::default(),
         transparent: false,
         algorithms: Algorithms::PATHS,
     };

@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use super::Figure;
 use super::random::Random;
 use crate::color::Rgb;
-use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
+use crate::prepare::{Algorithms, EffectsMode, Options, Prepared, Shortcuts, prepare};
 use crate::scene::{
     Camera, FovAxis, Material, MaterialId, MaterialKind, Mesh, MeshId, Object, Projection, Scene, Shape,
     Sides, validate,
@@ -185,6 +185,7 @@ pub(super) fn prepared(mut scene: Scene, eye: DVec3, max_depth: Option<u32>) -> 
         seed: 1,
         effects: EffectsMode::Auto,
         max_depth,
+        shortcuts: Shortcuts::default(),
         transparent: false,
         algorithms: Algorithms::PATHS,
     };

@@ -10,6 +10,7 @@ use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::algorithm::AlgorithmArgs;
+use super::shortcuts::ShortcutArgs;
 use super::units;
 use crate::import::LightUnits;
 use crate::integrate::report::Slips;
@@ -54,7 +55,9 @@ pub(super) enum Command {
     Convert(ConvertArgs),
     Compare(CompareArgs),
     Merge(MergeArgs),
+    Quote(super::quote::QuoteArgs),
     Check(CheckArgs),
+    Cost(super::cost::CostArgs),
     Golden(super::golden::GoldenArgs),
     Demo(DemoArgs),
     /// Print the JSON Schema of the scene's text form, for editors
@@ -211,10 +214,6 @@ pub(super) struct RenderArgs {
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     pub(super) aov: Vec<Aov>,
 
-    /// Cap on scattering events; 0 shows emission only [default: the scene's, else none]
-    #[arg(long, value_name = "N")]
-    pub(super) max_depth: Option<u32>,
-
     /// Which transport loop runs; the picture is the same, bit for bit
     #[arg(long, value_enum, default_value_t, value_name = "SET")]
     pub(super) effects: EffectsArg,
@@ -254,6 +253,9 @@ pub(super) struct RenderArgs {
     /// Say more: all notes, the plan
     #[arg(short, long)]
     pub(super) verbose: bool,
+
+    #[command(flatten)]
+    pub(super) shortcuts: ShortcutArgs,
 }
 
 /// Most samples per pixel of one render.
@@ -267,7 +269,9 @@ pub(super) const MAX_SAMPLES: u32 = 1 << 24;
 #[command(after_help = "\
 Examples:
   epsilux explain scenes/hexroom.toml
-  epsilux explain scenes/hexroom.toml --camera far --json")]
+  epsilux explain scenes/hexroom.toml --camera far --json
+  epsilux explain scenes/hexroom.toml --without caustics --max-depth 4 --price
+  epsilux explain scenes/hexroom.toml --price      what every shortcut would cost")]
 pub(super) struct ExplainArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -302,6 +306,14 @@ pub(super) struct ExplainArgs {
     /// Print JSON (epsilux.explain/1)
     #[arg(long)]
     pub(super) json: bool,
+
+    #[command(flatten)]
+    pub(super) shortcuts: ShortcutArgs,
+
+    /// Measure what each shortcut costs, or where none is asked for, what each would that makes sense for the scene:
+    /// small pictures are rendered with it and without it
+    #[arg(long)]
+    pub(super) price: bool,
 }
 
 /// Say what a scene holds: triangles, spheres, lights, materials, bounds, area, notes

@@ -11,9 +11,12 @@ mod check;
 mod compare;
 mod console;
 mod convert;
+mod cost;
 mod demo;
+mod doubt;
 mod explain;
 mod failure;
+mod forecast;
 mod golden;
 mod info;
 mod load;
@@ -22,9 +25,12 @@ mod merge;
 mod notes;
 mod parts;
 mod progress;
+mod quote;
 mod render;
+mod rendered;
 mod saver;
 mod schema;
+mod shortcuts;
 mod signal;
 mod stated;
 mod units;
@@ -88,7 +94,9 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Convert(args) => convert::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),
         Command::Merge(args) => merge::run(&args, console),
+        Command::Quote(args) => quote::run(&args, console),
         Command::Check(args) => check::run(&args, console),
+        Command::Cost(args) => cost::run(&args, arguments, console),
         Command::Golden(args) => golden::run(&args, console),
         Command::Demo(args) => demo::run(&args, arguments, console),
         Command::Schema(args) => schema::run(&args, console),

@@ -2,35 +2,36 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Code;
-use super::adopt::{adopt, choices, flags};
+use super::adopt::adopt;
 use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs, SlipArg};
 use super::compare::unusable;
 use super::console::Console;
-use super::explain::{self, Record};
 use super::failure::Failure;
+use super::forecast::Forecaster;
 use super::load::{self, Loaded};
-use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_line, report_path};
+use super::machine::Seconds;
 use super::notes;
 use super::parts::Checkpoint;
 use super::progress::{Display, Watch};
+use super::rendered::Rendered;
 use super::saver::{Saved, Saver};
-use super::schema::to_json;
+use super::shortcuts;
 use super::signal::Stop;
 use super::stated::Stated;
-use super::units::{show_share, show_time};
-use crate::film::{Film, Image, Refusal};
+use crate::film::{Film, Image};
 use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
 use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tracer, rays_per_pixel};
-use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
+use crate::integrate::{self, Control, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
-use crate::part::{Identity, Part};
+use crate::part::Part;
 use crate::pilot::{self, Asked};
-use crate::prepare::{self, Algorithms, EffectsMode, Plan, PrepareError, Prepared};
+use crate::prepare::{self, Algorithms, EffectsMode, PrepareError, Prepared};
 use crate::report::Explanation;
-use crate::scene::{Camera, Note, Scene, sha256};
+use crate::scene::{Camera, Note, NoteEffect, Scene, sha256};
 
 pub(super) fn run(args: &RenderArgs, arguments: &[OsString], console: &Console) -> Result<Code, Failure> {
     let begin = Instant::now();
@@ -77,6 +78,9 @@ fn check_flags(args: &RenderArgs, outputs: &[PathBuf]) -> Result<(), Failure> {
         Method::Report => ("report", true),
     };
     let others = args.method != Method::Default;
+    if let Some(flag) = args.shortcuts.of_the_default_method().filter(|_| others) {
+        return Err(Failure::usage(format!("{flag} is not available with --method {name}")));
+    }
     let without: [(&str, bool); 12] = [
         ("--time", others && args.time.is_some()),
         ("--error", others && args.error.is_some()),
@@ -125,62 +129,30 @@ pub(super) fn default_samples(scene: &Scene) -> u32 {
 
 /// A render as meant.
 pub(super) struct Job {
-    scene_name: String,
+    pub(super) scene_name: String,
     pub(super) outputs: Vec<PathBuf>,
-    prepare: prepare::Options,
-    camera: String,
+    pub(super) prepare: prepare::Options,
+    pub(super) camera: String,
     /// Samples per pixel, at most.
     pub(super) passes: u32,
     /// Samples per pixel as a pilot has to know them: none for parts, and where something else ends the render.
-    samples: Option<u32>,
+    pub(super) samples: Option<u32>,
     /// The first pass.
-    first: u32,
-    error: Option<f64>,
-    checkpoint: Option<PathBuf>,
-    checkpoint_every: Duration,
-    time: Option<Duration>,
-    threads: usize,
-    crop: Option<[u32; 4]>,
-    aovs: Vec<Aov>,
-    tone: Tone,
-    method: Method,
-    slips: Slips,
-    progress: ProgressArg,
-    strict: bool,
-    quiet: bool,
-    verbose: bool,
-}
-
-/// What a method made.
-struct Rendered {
-    image: Image,
-    stated: Stated,
-    plan: Plan,
-    /// Passes that this run added.
-    added: u32,
-    /// Whether the error that was asked for is reached.
-    reached: bool,
-    threads: usize,
-    counters: Option<Counters>,
-    refused: u64,
-    bad: Vec<BadSample>,
-}
-
-impl Rendered {
-    /// From a render whose film held the passes from `first` on before.
-    fn new(outcome: Outcome, first: u32, plan: Plan) -> Self {
-        Self {
-            image: outcome.film.to_image(),
-            stated: Stated::of_outcome(&outcome, first),
-            plan,
-            added: outcome.passes.end - outcome.passes.start,
-            reached: outcome.reached,
-            threads: outcome.threads,
-            counters: Some(outcome.counters),
-            refused: outcome.film.refused_total(),
-            bad: outcome.bad,
-        }
-    }
+    pub(super) first: u32,
+    pub(super) error: Option<f64>,
+    pub(super) checkpoint: Option<PathBuf>,
+    pub(super) checkpoint_every: Duration,
+    pub(super) time: Option<Duration>,
+    pub(super) threads: usize,
+    pub(super) crop: Option<[u32; 4]>,
+    pub(super) aovs: Vec<Aov>,
+    pub(super) tone: Tone,
+    pub(super) method: Method,
+    pub(super) slips: Slips,
+    pub(super) progress: ProgressArg,
+    pub(super) strict: bool,
+    pub(super) quiet: bool,
+    pub(super) verbose: bool,
 }
 
 impl Job {
@@ -196,6 +168,7 @@ impl Job {
                 seed: 0,
                 effects: EffectsMode::Auto,
                 max_depth: hints.max_depth,
+                shortcuts: prepare::Shortcuts::of(hints),
                 transparent: false,
                 algorithms: Algorithms::default(),
             },
@@ -230,7 +203,7 @@ impl Job {
         job.prepare.effects = args.effects.into();
         job.prepare.transparent = args.transparent;
         job.prepare.algorithms = args.algorithms.meant();
-        job.prepare.max_depth = args.max_depth.or(job.prepare.max_depth);
+        args.shortcuts.take(&mut job.prepare);
         job.passes = match (args.spp, args.time.is_some() || args.error.is_some()) {
             (Some(spp), _) => spp,
             (None, true) => MAX_SAMPLES,
@@ -279,17 +252,43 @@ impl Job {
         if !self.quiet {
             notes::show(&notes, self.verbose, console);
         }
-        let watch = Watch { display: Display::new(self.progress, self.quiet, console), stop: Stop::listen() };
+        let watch = Watch {
+            display: Display::new(self.progress, self.quiet, console),
+            stop: Stop::listen(),
+            forecaster: self.error.map(Forecaster::new),
+            before: AtomicU32::new(0),
+        };
+        if self.method != Method::Default && scene.settings.indirect_gain.is_some_and(|gain| gain != 1.0) {
+            let message = format!("--method {} does not amplify indirect light", self.method_name());
+            let (place, effect) = ("render.indirect_gain".to_owned(), NoteEffect::Differs);
+            let note = Note { code: "indirect-gain-ignored", place, message, effect };
+            if self.strict {
+                notes::refuse(std::slice::from_ref(&note), notes::RENDERED)?;
+            }
+            if !self.quiet {
+                notes::show(std::slice::from_ref(&note), self.verbose, console);
+            }
+            notes.push(note);
+        }
         let rendering = Instant::now();
         let hash = sha256(&scene);
         let (mut rendered, prepare) = match self.method {
-            Method::Default => self.render(&scene, &hash, &watch, console)?,
+            Method::Default => match self.render(&scene, &hash, &watch, console)? {
+                Some(rendered) => rendered,
+                None => {
+                    console.message("stopped by a signal before the render began: nothing is written");
+                    return Ok(watch.stop.code().unwrap_or(Code::Interrupted));
+                }
+            },
             Method::Reference => (self.render_reference(&scene, &watch)?, 0.0),
             Method::Report => (self.render_report(&scene, &watch, &mut notes, console)?, 0.0),
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
-        rendered.image.attributes = rendered.stated.attributes(&self.identity(&rendered.plan, &hash)?);
+        rendered.quoted = watch.forecaster.as_ref().and_then(Forecaster::quoted);
+        let lights = &rendered.stated.lights;
+        let identity = self.identity(&rendered.plan, lights, &hash, &rendered.prices)?;
+        rendered.image.attributes = rendered.stated.attributes(&identity);
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
         for path in &self.outputs {
@@ -348,18 +347,25 @@ impl Job {
         Ok(Code::Done)
     }
 
-    /// The default method; also the seconds that preparing took.
+    /// The default method; also the seconds that preparing took, prices included. `None` where somebody stopped it
+    /// before it began.
     fn render(
         &self,
         scene: &Scene,
         hash: &str,
         watch: &Watch<'_>,
         console: &Console,
-    ) -> Result<(Rendered, f64), Failure> {
+    ) -> Result<Option<(Rendered, f64)>, Failure> {
         let begin = Instant::now();
         let checkpoint = self.checkpoint.as_deref().map(Checkpoint::new);
         let found = checkpoint.as_ref().map_or(Ok(None), Checkpoint::read)?;
         let prepared = self.prepared(scene, found.as_ref().map(|f| &f.part))?;
+        let Some(prices) = shortcuts::prices(scene, &self.prepare, self.threads, watch)? else {
+            return Ok(None);
+        };
+        if !self.quiet {
+            prices.iter().for_each(|priced| console.message(&priced.to_string()));
+        }
         if self.verbose {
             // Notes have been said.
             let explanation = Explanation::new(&prepared.plan, &[]);
@@ -376,11 +382,12 @@ impl Job {
             error: self.error,
             threads: self.threads,
             crop: self.crop,
+            every: 1,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
             layer_noise: false,
         };
-        let identity = self.identity(&prepared.plan, hash)?;
+        let identity = self.identity(&prepared.plan, prepared.lights_apart(), hash, &prices)?;
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);
         let mut film = Film::new(integrate::layout(&prepared, &options));
         let mut saver = None;
@@ -390,6 +397,7 @@ impl Job {
                 Saver::open(checkpoint, found, &identity, screen, &options.passes, every, console)?;
             if let Some(part) = saved {
                 options.passes.start = part.passes.last().map_or(self.first, |r| r.end);
+                watch.before.store(options.passes.start, Ordering::Relaxed);
                 film = part.film;
             }
             saver = Some(opened);
@@ -403,7 +411,8 @@ impl Job {
         if let Some(saver) = &saver {
             saver.finish(&outcome)?;
         }
-        Ok((Rendered::new(outcome, self.first, prepared.plan.clone()), seconds))
+        let (plan, lights) = (prepared.plan.clone(), prepared.lights_apart());
+        Ok(Some((Rendered::new(outcome, self.first, plan, lights, prices), seconds)))
     }
 
     /// The report's method; what it renders otherwise is added to the notes.
@@ -442,7 +451,8 @@ impl Job {
         }
         notes.extend(tracer.notes().iter().cloned());
         let outcome = tracer.render(&options, watch).map_err(failure)?;
-        Ok(Rendered::new(outcome, 0, prepare::analyse(scene, &scene.cameras[camera], &self.prepare)))
+        let plan = prepare::analyse(scene, &scene.cameras[camera], &self.prepare);
+        Ok(Rendered::new(outcome, 0, plan, &[], Vec::new()))
     }
 
     fn camera_index(&self, scene: &Scene) -> usize {
@@ -485,170 +495,21 @@ impl Job {
         let partial = image.count.as_ref().is_some_and(|c| c.contains(&0));
         Ok(Rendered {
             image,
-            stated: Stated { passes: std::iter::once(0..self.passes).collect(), partial, error: None },
+            stated: Stated {
+                passes: std::iter::once(0..self.passes).collect(),
+                partial,
+                ..Stated::default()
+            },
             plan: prepare::analyse(scene, &scene.cameras[index], &self.prepare),
+            prices: Vec::new(),
             added: self.passes,
             reached: false,
             threads: self.threads,
             counters: None,
             refused: 0,
             bad: Vec::new(),
+            quoted: None,
         })
-    }
-
-    /// What the picture is of: all that samples depend on. The kernel is not among it, since it never changes the
-    /// picture.
-    fn identity(&self, plan: &Plan, hash: &str) -> Result<Identity, Failure> {
-        let effects = plan.needs.iter().map(|n| n.effect.name()).collect::<Vec<_>>().join(", ");
-        let mut list = vec![
-            ("software", software()),
-            ("scene_sha256", hash.to_owned()),
-            ("camera", self.camera.clone()),
-            ("method", self.method_name().to_owned()),
-            ("seed", self.prepare.seed.to_string()),
-            ("max_depth", self.prepare.max_depth.map_or("none".to_owned(), |d| d.to_string())),
-            ("effects", effects),
-        ];
-        if self.method == Method::Default {
-            list.extend(choices(plan));
-        }
-        if self.method != Method::Reference {
-            list.push(("replications", plan.replications.to_string()));
-        }
-        if self.method == Method::Report && self.slips != Slips::NONE {
-            list.push(("slips", self.slips.names().join(", ")));
-        }
-        if self.method == Method::Default {
-            let Record { json, sha256 } = explain::record(plan)?;
-            list.extend([("plan", json), ("plan_sha256", sha256)]);
-        }
-        Ok(Identity(list.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()))
-    }
-
-    fn method_name(&self) -> &'static str {
-        match self.method {
-            Method::Default => "default",
-            Method::Reference => "reference",
-            Method::Report => "report",
-        }
-    }
-
-    fn report<'a>(
-        &'a self,
-        rendered: &'a Rendered,
-        hash: &'a str,
-        seconds: Seconds,
-        stopped_by_signal: bool,
-        notes: &'a [Note],
-        arguments: &[OsString],
-    ) -> Result<Report<'a>, Failure> {
-        let rays = rendered.counters.map(|c| c.rays);
-        let refused =
-            |b: &BadSample| RefusedJson { pixel: b.pixel, pass: b.pass, reason: reason(b.reason).into() };
-        Ok(Report {
-            schema: "epsilux.report/1",
-            software: software(),
-            command: command_line(arguments),
-            scene: &self.scene_name,
-            scene_sha256: hash,
-            outputs: self.outputs.iter().map(|p| p.display().to_string()).collect(),
-            method: self.method_name(),
-            camera: &self.camera,
-            size: self.prepare.size,
-            seed: self.prepare.seed,
-            passes: rendered.stated.passes.first().map_or([0, 0], |r| [r.start, r.end]),
-            partial: rendered.stated.partial,
-            error: rendered.stated.error.map(ErrorJson::from),
-            stopped_by_signal,
-            seconds,
-            threads: rendered.threads,
-            rays,
-            rays_per_second: rays.map(|r| r as f64 / seconds.render.max(1e-9)),
-            samples_refused: rendered.refused,
-            refused: rendered.bad.iter().map(refused).collect(),
-            paths_cut: rendered.counters.map_or(0, |c| c.capped),
-            plan: (&rendered.plan).into(),
-            plan_sha256: explain::record(&rendered.plan)?.sha256,
-            notes: notes::json(notes),
-            machine: Machine::this(),
-        })
-    }
-
-    /// One report for each name: `a.png` and `a.exr` share theirs.
-    fn write_report(&self, report: &Report<'_>) -> Result<(), Failure> {
-        let text = to_json(report)? + "\n";
-        let mut paths: Vec<_> = self.outputs.iter().map(|p| report_path(p)).collect();
-        paths.sort();
-        paths.dedup();
-        paths.iter().try_for_each(|path| {
-            output::write_bytes(path, text.as_bytes())
-                .map_err(|e| Failure::write(format!("{}: cannot write: {e}", path.display())))
-        })
-    }
-
-    fn summarise(&self, rendered: &Rendered, seconds: Seconds, stopped: Option<Code>, console: &Console) {
-        let samples = rendered.added;
-        let all: u32 = rendered.stated.passes.iter().map(|r| r.end - r.start).sum();
-        let mut line = format!("{} per pixel in {}", many(samples, "sample"), show_time(seconds.render));
-        if let Some(c) = rendered.counters {
-            let mrays = c.rays as f64 / seconds.render.max(1e-9) / 1e6;
-            line += &format!(", {mrays:.2} Mrays/s on {}", many(rendered.threads as u64, "thread"));
-        }
-        console.message(&line);
-        if all != samples {
-            console.message(&format!("{} per pixel with those of the checkpoint", many(all, "sample")));
-        }
-        if let Some(mut line) = rendered.stated.error_line() {
-            if let Some(target) = self.error.filter(|_| !rendered.reached) {
-                line += &format!("; {} was asked for", show_share(target));
-            }
-            console.message(&line);
-        }
-        if rendered.stated.partial {
-            console.message("note: not one sample of every pixel is done; the picture is partial");
-        } else if self.first + all != self.passes {
-            // With so many samples, or without an error, a pilot might choose otherwise.
-            let piloted = rendered.plan.choices.iter().any(|c| c.about == "pilot");
-            let other = piloted && (all < pilot::LEAST_SAMPLES || self.error.is_some());
-            let flags = if other { flags(&rendered.plan) } else { String::new() };
-            console.message(&format!("--spp {all}{flags} repeats this picture"));
-        }
-        if stopped.is_some() {
-            console.message("stopped by a signal; what was done is saved");
-        }
-        if let Some(bad) = rendered.bad.first() {
-            let [x, y] = bad.pixel;
-            let why = reason(bad.reason);
-            let n = many(rendered.refused, "sample");
-            console.message(&format!(
-                "note: {n} refused, the first at pixel {x},{y} in pass {pass}: {why}; --replay {x},{y},{pass} traces \
-                 it alone",
-                pass = bad.pass
-            ));
-        }
-        if let Some(cut) = rendered.counters.map(|c| c.capped).filter(|&n| n > 0) {
-            console.message(&format!("note: {} cut by the safety cap on length", many(cut, "path")));
-        }
-    }
-}
-
-/// A number of things.
-fn many(n: impl Into<u64>, thing: &str) -> String {
-    match n.into() {
-        1 => format!("1 {thing}"),
-        n => format!("{n} {thing}s"),
-    }
-}
-
-fn software() -> String {
-    format!("epsilux {}", env!("CARGO_PKG_VERSION"))
-}
-
-fn reason(refusal: Refusal) -> &'static str {
-    match refusal {
-        Refusal::NotANumber => "not a number",
-        Refusal::Overflow => "infinite, or too large",
-        Refusal::Negative => "negative",
     }
 }
 

@@ -9,7 +9,7 @@ use super::failure::Failure;
 use super::parts::{Checkpoint, Found};
 use super::progress::Watch;
 use super::units::show_passes;
-use crate::film::Film;
+use crate::film::{Film, Squares};
 use crate::integrate::{Control, Counters, Outcome, Progress};
 use crate::part::{Identity, Part};
 
@@ -94,6 +94,10 @@ pub(super) struct Saved<'a> {
 impl Control for Saved<'_> {
     fn progress(&self, progress: &Progress) {
         self.watch.progress(progress);
+    }
+
+    fn looked(&self, passes: u32, squares: &Squares) {
+        self.watch.looked(passes, squares);
     }
 
     fn committed(&self, film: &Film, passes: Range<u32>, counters: Counters) {

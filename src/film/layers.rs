@@ -4,7 +4,8 @@
 /// layers add up to the picture.
 ///
 /// Written as Heckbert's path expressions (SIGGRAPH 1990) from the eye E to the light L, where S is an event
-/// without spread (a perfect mirror, clear glass) and D any other: `D` stands for what has a roughness too.
+/// without spread (a perfect mirror, clear glass) or of a material that is hardly rough (GGX widths below 0.1), and D any
+/// other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum LightLayer {

@@ -116,6 +116,7 @@ impl Subject {
             seed,
             effects: EffectsMode::Auto,
             max_depth: self.settings.max_depth,
+            shortcuts: prepare::Shortcuts::of(&self.scene.settings),
             transparent: false,
             algorithms: self.settings.caustics.algorithms(),
         }

@@ -30,11 +30,19 @@ pub mod hard_cases {}
 #[doc = include_str!("plan.md")]
 pub mod plan {}
 
+#[doc = include_str!("shortcuts.md")]
+pub mod shortcuts {}
+
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
 
 #[doc = include_str!("long-renders.md")]
 pub mod long_renders {}
+
+#[doc = include_str!("accuracy.md")]
+pub mod accuracy {}
+#[doc = include_str!("cost.md")]
+pub mod cost {}
 
 #[doc = include_str!("report.md")]
 pub mod report {}
@@ -45,7 +53,7 @@ mod tests {
 
     use crate::scene::text;
 
-    const PAGES: [(&str, &str); 12] = [
+    const PAGES: &[(&str, &str)] = &[
         ("start.md", include_str!("start.md")),
         ("scene-format.md", include_str!("scene-format.md")),
         ("from-blender.md", include_str!("from-blender.md")),
@@ -54,8 +62,11 @@ mod tests {
         ("golden.md", include_str!("golden.md")),
         ("hard-cases.md", include_str!("hard-cases.md")),
         ("plan.md", include_str!("plan.md")),
+        ("shortcuts.md", include_str!("shortcuts.md")),
         ("numbers.md", include_str!("numbers.md")),
         ("long-renders.md", include_str!("long-renders.md")),
+        ("accuracy.md", include_str!("accuracy.md")),
+        ("cost.md", include_str!("cost.md")),
         ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),
     ];
@@ -85,7 +96,7 @@ mod tests {
     #[test]
     fn every_scene_in_the_guide_is_read() {
         let mut count = 0;
-        for (name, page) in PAGES {
+        for &(name, page) in PAGES {
             for (line, block) in blocks(page, "toml") {
                 let marked = block.lines().any(|l| l.starts_with("epsilux ="));
                 let scene = if marked { block } else { format!("epsilux = 1\n{block}") };
@@ -165,7 +176,7 @@ mod tests {
             include_str!("../scene/pictures.rs"),
         ];
         let mut count = 0;
-        for (name, page) in PAGES {
+        for &(name, page) in PAGES {
             for row in page.lines().filter_map(|l| l.strip_prefix("| note `")) {
                 let code = row.split('`').next().unwrap_or_default();
                 let quoted = format!("\"{code}\"");

@@ -153,8 +153,17 @@ fn found_suffix(path: &Path) -> String {
 /// # Errors
 /// The reason why [`write()`] would fail.
 pub fn check_path(path: &Path) -> Result<Format, WriteError> {
+    let format = Format::of(path).ok_or_else(|| WriteError::UnknownSuffix { path: path.to_path_buf() })?;
+    check_place(path)?;
+    Ok(format)
+}
+
+/// Checks, before any work is done, that a file of any kind could be written to `path`: existing folder, permission.
+///
+/// # Errors
+/// The reason why [`write_bytes`] would fail.
+pub fn check_place(path: &Path) -> Result<(), WriteError> {
     let path_buf = || path.to_path_buf();
-    let format = Format::of(path).ok_or_else(|| WriteError::UnknownSuffix { path: path_buf() })?;
     let folder = atomic::folder_of(path);
     if !folder.is_dir() {
         return Err(WriteError::NoFolder { path: path_buf(), folder: folder.to_path_buf() });
@@ -162,8 +171,7 @@ pub fn check_path(path: &Path) -> Result<Format, WriteError> {
     if path.is_dir() {
         return Err(WriteError::IsFolder { path: path_buf() });
     }
-    atomic::probe(path).map_err(|source| WriteError::Io { path: path_buf(), source })?;
-    Ok(format)
+    atomic::probe(path).map_err(|source| WriteError::Io { path: path_buf(), source })
 }
 
 /// Writes an image in the format that the suffix of `path` names. What the format cannot hold is left

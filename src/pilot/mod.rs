@@ -166,6 +166,7 @@ impl<'a> Pilot<'a> {
                 mode => mode,
             },
             unbiased: asked_for.unbiased,
+            indirect: asked_for.indirect,
             light_samples: Some(asked_for.light_samples.unwrap_or(1)),
             split: Some(asked_for.split.unwrap_or(1)),
             roulette: Some(asked_for.roulette.unwrap_or(ROULETTE_START)),
@@ -312,6 +313,7 @@ mod tests {
             seed: 5,
             effects: EffectsMode::Auto,
             max_depth: None,
+            shortcuts: prepare::Shortcuts::default(),
             transparent: false,
             algorithms,
         }

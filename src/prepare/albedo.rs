@@ -10,7 +10,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::bsdf::Charlie;
-use crate::bsdf::fresnel::dielectric;
+use crate::bsdf::fresnel::Fresnel;
 use crate::bsdf::tables::{self, Albedo, AlbedoRow};
 
 /// Where lobes get their albedos from. `alpha` is the GGX width, `eta` a ratio of indices.
@@ -19,7 +19,7 @@ pub(super) trait Albedos {
     fn white(&mut self, alpha: f32) -> Albedo;
     /// Of reflection and transmission together, from outside (index `ior`) and from inside.
     fn dielectric(&mut self, alpha: f32, ior: f32) -> [Albedo; 2];
-    /// Of the grazing share of the exact Fresnel term of `eta`, which is `f0` at normal incidence.
+    /// Of the grazing share of the Fresnel term of `eta`, which is `f0` at normal incidence.
     fn grazing(&mut self, alpha: f32, eta: f32, f0: f32) -> Albedo;
     /// The average of that share over the hemisphere.
     fn grazing_average(&mut self, eta: f32, f0: f32) -> f32;
@@ -29,18 +29,18 @@ pub(super) trait Albedos {
     fn sheen(&mut self, roughness: f32) -> Albedo;
 }
 
-/// How far the exact curve has risen from its value at normal incidence, [0, 1].
-fn grazing_share(mu: f32, eta: f32, f0: f32) -> f32 {
-    ((dielectric(mu, eta).0 - f0) / (1.0 - f0)).clamp(0.0, 1.0)
-}
-
 /// Rows, each computed once for the parameters that define it.
 #[derive(Default)]
 pub(super) struct Rows {
+    fresnel: Fresnel,
     rows: BTreeMap<(u8, u32, u32), Arc<AlbedoRow>>,
 }
 
 impl Rows {
+    pub(super) fn new(fresnel: Fresnel) -> Self {
+        Self { fresnel, rows: BTreeMap::new() }
+    }
+
     fn get(&mut self, kind: u8, alpha: f32, eta: f32, albedo: impl Fn(f32) -> f32) -> Albedo {
         let key = (kind, alpha.to_bits(), eta.to_bits());
         let row = self.rows.entry(key).or_insert_with(|| Arc::new(AlbedoRow::new(albedo)));
@@ -54,19 +54,23 @@ impl Albedos for Rows {
     }
 
     fn dielectric(&mut self, alpha: f32, ior: f32) -> [Albedo; 2] {
-        [ior, 1.0 / ior].map(|eta| self.get(1, alpha, eta, |mu| tables::dielectric_total(mu, alpha, eta)))
+        let fresnel = self.fresnel;
+        let total = move |mu, eta| tables::dielectric_total(mu, alpha, eta, fresnel);
+        [ior, 1.0 / ior].map(|eta| self.get(1, alpha, eta, |mu| total(mu, eta)))
     }
 
     fn grazing(&mut self, alpha: f32, eta: f32, f0: f32) -> Albedo {
-        self.get(2, alpha, eta, |mu| tables::reflected(mu, alpha, |cos| grazing_share(cos, eta, f0)))
+        let fresnel = self.fresnel;
+        self.get(2, alpha, eta, |mu| tables::reflected(mu, alpha, |cos| fresnel.grazing_share(cos, eta, f0)))
     }
 
     fn grazing_average(&mut self, eta: f32, f0: f32) -> f32 {
-        AlbedoRow::new(|mu| grazing_share(mu, eta, f0)).average()
+        AlbedoRow::new(|mu| self.fresnel.grazing_share(mu, eta, f0)).average()
     }
 
     fn coat(&mut self, alpha: f32, ior: f32) -> Albedo {
-        self.get(3, alpha, ior, |mu| tables::reflected(mu, alpha, |cos| dielectric(cos, ior).0))
+        let fresnel = self.fresnel;
+        self.get(3, alpha, ior, |mu| tables::reflected(mu, alpha, |cos| fresnel.dielectric(cos, ior).0))
     }
 
     fn sheen(&mut self, roughness: f32) -> Albedo {
@@ -247,6 +251,7 @@ impl Span {
 /// The tables of materials that share what varies.
 #[derive(Debug)]
 pub(super) struct Tables {
+    fresnel: Fresnel,
     white: Table,
     dielectric: Option<[Table; 2]>,
     root: Axis,
@@ -258,7 +263,7 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    fn new(span: Span) -> Self {
+    fn new(span: Span, fresnel: Fresnel) -> Self {
         let nodes = |roughness: Option<u32>| match roughness.map(f32::from_bits) {
             Some(r) => {
                 let node = ((r - LEAST) / (1.0 - LEAST)).max(0.0).sqrt();
@@ -278,7 +283,9 @@ impl Tables {
             let s = node * node;
             ((1.0 + s) / (1.0 - s), s * s)
         };
-        let total = |eta| Table::new(roughness, move |mu, alpha| tables::dielectric_total(mu, alpha, eta));
+        let share = move |cos, eta, f0| fresnel.grazing_share(cos, eta, f0);
+        let total =
+            |eta| Table::new(roughness, move |mu, alpha| tables::dielectric_total(mu, alpha, eta, fresnel));
         // What is left when the white lobe times the share at one cosine is taken off: small and even, where
         // the whole rises too steeply towards grazing to be interpolated.
         let grazing = |node| {
@@ -287,16 +294,17 @@ impl Tables {
                 if f0 == 0.0 {
                     return 0.0;
                 }
-                let whole = tables::reflected(mu, alpha, |cos| grazing_share(cos, eta, f0));
+                let whole = tables::reflected(mu, alpha, |cos| share(cos, eta, f0));
                 let white = tables::reflected(mu, alpha, |_| 1.0);
-                whole - white * grazing_share(microfacet_cosine(mu, alpha), eta, f0)
+                whole - white * share(microfacet_cosine(mu, alpha), eta, f0)
             })
         };
         let grazing_average = |s| {
             let (eta, f0) = of_root(s);
-            if f0 == 0.0 { 0.0 } else { AlbedoRow::new(|mu| grazing_share(mu, eta, f0)).average() }
+            if f0 == 0.0 { 0.0 } else { AlbedoRow::new(|mu| share(mu, eta, f0)).average() }
         };
         Self {
+            fresnel,
             white: Table::new(roughness, |mu, alpha| tables::reflected(mu, alpha, |_| 1.0)),
             dielectric: span.ior.map(f32::from_bits).map(|ior| [ior, 1.0 / ior].map(total)),
             root,
@@ -304,7 +312,8 @@ impl Tables {
             grazing_average: root.nodes().map(grazing_average).collect(),
             coat: span.coat.map(|(ior, roughness)| {
                 let ior = f32::from_bits(ior);
-                let reflected = move |mu, alpha| tables::reflected(mu, alpha, |cos| dielectric(cos, ior).0);
+                let reflected =
+                    move |mu, alpha| tables::reflected(mu, alpha, |cos| fresnel.dielectric(cos, ior).0);
                 Table::new(nodes(roughness), reflected)
             }),
             sheen: span.sheen.map(|roughness| {
@@ -316,11 +325,20 @@ impl Tables {
 
 /// Tables, each computed once for what varies.
 #[derive(Default)]
-pub(super) struct AllTables(BTreeMap<Span, Arc<Tables>>);
+pub(super) struct AllTables {
+    /// The curve that all of them are for.
+    pub(super) fresnel: Fresnel,
+    tables: BTreeMap<Span, Arc<Tables>>,
+}
 
 impl AllTables {
+    pub(super) fn new(fresnel: Fresnel) -> Self {
+        Self { fresnel, tables: BTreeMap::new() }
+    }
+
     pub(super) fn get(&mut self, span: Span) -> Arc<Tables> {
-        Arc::clone(self.0.entry(span).or_insert_with(|| Arc::new(Tables::new(span))))
+        let made = || Arc::new(Tables::new(span, self.fresnel));
+        Arc::clone(self.tables.entry(span).or_insert_with(made))
     }
 }
 
@@ -359,7 +377,8 @@ impl Albedos for AtHit<'_> {
             rest = rest * (1.0 - t) + high.at(alpha, self.mu).0 * t;
         }
         let (white, _) = self.tables.white.at(alpha, self.mu);
-        let at = rest + white * grazing_share(microfacet_cosine(self.mu, alpha), eta, f0);
+        let share = self.tables.fresnel.grazing_share(microfacet_cosine(self.mu, alpha), eta, f0);
+        let at = rest + white * share;
         // Nothing asks for the average of this row.
         Albedo::Value { at: at.clamp(0.0, white), average: 0.0 }
     }
@@ -419,7 +438,7 @@ mod tests {
     #[test]
     fn tables_follow_the_rows_over_roughness() {
         let span = Span::new(None, [0.2, 0.2], Some(1.5)).coat(1.5, None);
-        let worst = worst(&Tables::new(span), &ROUGHNESS, &[0.2]);
+        let worst = worst(&Tables::new(span, Fresnel::Exact), &ROUGHNESS, &[0.2]);
         assert!(worst[..3].iter().all(|w| *w < 1e-3) && worst[3] < 3e-3, "{worst:?}");
     }
 
@@ -428,7 +447,8 @@ mod tests {
     fn tables_follow_the_rows_over_reflectance() {
         for roughness in [0.037, 0.3, 0.8] {
             let span = Span::new(Some(roughness), [0.0, 0.4], Some(1.5)).coat(1.5, Some(roughness));
-            let worst = worst(&Tables::new(span), &[roughness], &[0.03, 0.05, 0.13, 0.2, 0.37]);
+            let worst =
+                worst(&Tables::new(span, Fresnel::Exact), &[roughness], &[0.03, 0.05, 0.13, 0.2, 0.37]);
             assert!(worst.iter().all(|w| *w < 2e-3), "{roughness} {worst:?}");
         }
     }

@@ -8,12 +8,12 @@
 
 use glam::Vec4;
 
-use super::algorithm::caustics;
-use super::choices::{ROULETTE_START, casters, choices, unseen};
+use super::algorithm::{Caustics, Indirect, caustics, indirect};
+use super::choices::{ROULETTE_START, casters, choices, reuse, unseen};
 use super::fold::{Folded, Uses, fold, has_surface};
 use super::lights::{self, effect_of};
 use super::material::{self, Numbers};
-use super::plan::{Effect, Effects, LeftOut, Need, Plan};
+use super::plan::{ASKED_FOR, Effect, Effects, LeftOut, Need, Plan};
 use super::{Options, replications};
 use crate::color::Rgb;
 use crate::scene::{AlphaMode, Camera, MaterialKind, Principled, Scene, Shape};
@@ -39,6 +39,16 @@ impl Collector {
         self.idle[effect as usize].get_or_insert_with(reason);
     }
 
+    /// The same without some effects, where `all` is what the whole scene calls for.
+    fn without(mut self, omitted: Effects, all: Self) -> Self {
+        let effects = Effect::ALL.into_iter().zip(all.needs).zip(all.idle);
+        for ((effect, asked), idle) in effects.filter(|((effect, _), _)| omitted.has(*effect)) {
+            self.needs[effect as usize] = None;
+            self.idle[effect as usize] = if asked.is_some() { Some(ASKED_FOR.to_owned()) } else { idle };
+        }
+        self
+    }
+
     fn left_out(&mut self) -> Vec<LeftOut> {
         let absent = Effect::ALL.into_iter().filter(|&e| self.needs[e as usize].is_none());
         let reason = |e: Effect| match &self.idle[e as usize] {
@@ -53,8 +63,57 @@ impl Collector {
 /// noisy the scene is.
 #[must_use]
 pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
+    let omitted = options.shortcuts.without;
+    let mut folded = fold(scene, Effects::EVERYTHING);
+    let mut found = collect(scene, camera, &folded);
+    if omitted.effects != Effects::default() {
+        // Materials may call for something else without them: what is pictured for all of its lobes, what is left
+        // of it for few.
+        folded = fold(scene, Effects::EVERYTHING.minus(omitted.effects));
+        found = collect(scene, camera, &folded).without(omitted.effects, found);
+    }
+    let left_out = found.left_out();
+    let needs: Vec<Need> = found.needs.into_iter().flatten().collect();
+    let casters = casters(scene, &folded);
+    let algorithms = &options.algorithms;
+    let caustics =
+        if omitted.caustics { Caustics::Path } else { caustics(scene, &folded, &casters, algorithms) };
+    let (indirect, why) = match indirect(scene, &folded, &options.algorithms) {
+        (Indirect::Photon, _) if omitted.indirect => (Indirect::Path, ASKED_FOR),
+        found => found,
+    };
+    let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
+    let mut plan = Plan {
+        choices: choices(scene, &folded, &casters, caustics, algorithms, pixels),
+        needs,
+        left_out,
+        unseen: unseen(scene, &folded, &casters, caustics),
+        caustics,
+        indirect,
+        light_samples: algorithms.light_samples.unwrap_or(1),
+        split: algorithms.split.unwrap_or(1),
+        roulette: algorithms.roulette.unwrap_or(ROULETTE_START),
+        shortcuts: options.shortcuts_taken(),
+        tables: Effects::default(),
+        kernel: 0,
+        replications: replications(pixels),
+    };
+    if omitted.caustics {
+        plan.unseen.retain(|u| u.what != "caustics");
+        for choice in plan.choices.iter_mut().filter(|c| c.about == "caustics" && c.chosen != "none") {
+            (choice.chosen, choice.reason) = ("none".to_owned(), ASKED_FOR.to_owned());
+        }
+    }
+    if options.algorithms.indirect == Indirect::Photon {
+        plan.choices.push(reuse(indirect, why));
+    }
+    plan.run_by(options.effects, omitted.effects);
+    plan
+}
+
+/// Collects what a scene with these materials calls for.
+fn collect(scene: &Scene, camera: &Camera, folded: &Folded<'_>) -> Collector {
     let mut found = Collector::default();
-    let folded = fold(scene, Effects::EVERYTHING);
     for object in scene.objects.iter().filter(|o| has_surface(scene, o)) {
         let Shape::Mesh(m) = object.shape else { continue };
         let mesh = &scene.meshes[m.0 as usize];
@@ -73,7 +132,7 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
             });
         }
     }
-    materials(scene, &folded, &mut found);
+    materials(scene, folded, &mut found);
     for light in &scene.lights {
         match lights::free(light) {
             Some(emitter) => found.ask(effect_of(&emitter), || format!("light \"{}\"", light.name)),
@@ -96,27 +155,7 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     if super::dummy::Dummy::asked().is_some() {
         found.ask(Effect::Dummy, || "the environment".to_owned());
     }
-    let left_out = found.left_out();
-    let needs: Vec<Need> = found.needs.into_iter().flatten().collect();
-    let casters = casters(scene, &folded);
-    let algorithms = &options.algorithms;
-    let caustics = caustics(scene, &folded, &casters, algorithms);
-    let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
-    let mut plan = Plan {
-        choices: choices(scene, &folded, &casters, caustics, algorithms, pixels),
-        needs,
-        left_out,
-        unseen: unseen(scene, &folded, &casters, caustics),
-        tables: Effects::default(),
-        kernel: 0,
-        replications: replications(pixels),
-        caustics,
-        light_samples: algorithms.light_samples.unwrap_or(1),
-        split: algorithms.split.unwrap_or(1),
-        roulette: algorithms.roulette.unwrap_or(ROULETTE_START),
-    };
-    plan.run_by(options.effects);
-    plan
+    found
 }
 
 fn materials(scene: &Scene, folded: &Folded<'_>, found: &mut Collector) {

@@ -3,8 +3,8 @@
 //! In: a scene and its folded materials. Out: decisions with their reasons, a pure function of scene and size.
 //! They are the same whatever kernel runs.
 
-use super::algorithm::{Algorithms, Caustics, CausticsMode};
-use super::casters::casts;
+use super::algorithm::{Algorithms, Caustics, CausticsMode, Indirect};
+use super::casters::{casts, throws};
 use super::fold::{Folded, has_surface};
 use super::lights::{self, effect_of};
 use super::material;
@@ -19,8 +19,8 @@ use crate::scene::{MaterialKind, Scene};
 pub const ROULETTE_START: u32 = 4;
 
 /// What decisions are about, in the order of reports.
-pub const ABOUT: [&str; 7] =
-    ["light", "light samples", "splitting", "caustics", "roulette", "replications", "pilot"];
+pub const ABOUT: [&str; 8] =
+    ["light", "light samples", "splitting", "caustics", "indirect", "roulette", "replications", "pilot"];
 
 /// The decisions for a picture of so many pixels, where the materials `casters` focus light.
 pub(super) fn choices(
@@ -46,9 +46,10 @@ pub(super) fn choices(
 fn light_choice(scene: &Scene, folded: &Folded<'_>) -> Choice {
     let emits = |kind: &MaterialKind| kind.emission().is_some();
     let surfaces = scene.objects.iter().filter(|o| has_surface(scene, o));
+    let sky = folded.effects.has(Effect::Environment);
     let lights = surfaces.filter(|o| emits(&folded.kinds[o.material.0 as usize])).count()
-        + scene.lights.iter().filter_map(lights::free).count()
-        + scene.environment.iter().filter(|e| !lights::is_dark(scene, e)).count();
+        + scene.lights.iter().filter_map(lights::free).filter(|e| folded.effects.has(effect_of(e))).count()
+        + scene.environment.iter().filter(|e| sky && !lights::is_dark(scene, e)).count();
     let (chosen, reason) = match lights {
         0 => ("none", "there is no light".to_owned()),
         1 => ("the only one", "sampled at each hit, but on mirrors and clear glass".to_owned()),
@@ -103,6 +104,11 @@ fn estimator(casters: &[usize], caustics: Caustics, mode: CausticsMode, forced: 
     choice("caustics", chosen, reason)
 }
 
+/// Who finds indirect light, where that was asked.
+pub(super) fn reuse(indirect: Indirect, why: &str) -> Choice {
+    Choice { about: "indirect", chosen: indirect.name().to_owned(), reason: why.to_owned() }
+}
+
 fn roulette(asked: Option<u32>) -> Choice {
     let why = match asked {
         Some(_) => ASKED,
@@ -120,11 +126,11 @@ fn means(pixels: u64) -> Choice {
     choice("replications", k, reason)
 }
 
-/// Materials in use that send light on in a single direction: mirrors, clear glass, clear coats. What they
-/// focus is a caustic.
+/// Materials in use that send light on in a single direction or nearly so: mirrors, clear glass, clear coats, what is
+/// hardly rough. What they focus is a caustic.
 pub(super) fn casters(scene: &Scene, folded: &Folded<'_>) -> Vec<usize> {
     (0..scene.materials.len())
-        .filter(|&i| folded.uses[i].used && casts(scene, &folded.kinds[i]).is_some())
+        .filter(|&i| folded.uses[i].used && throws(scene, &folded.kinds[i]).is_some())
         .collect()
 }
 
@@ -149,11 +155,14 @@ pub(super) fn unseen(
 /// The first light and the first material by way of which no path finds it, and how many more.
 pub(super) fn out_of_reach(scene: &Scene, folded: &Folded<'_>, casters: &[usize]) -> Option<String> {
     let is_delta = |light: &&crate::scene::Light| {
-        lights::free(light).is_some_and(|e| effect_of(&e) == Effect::DeltaLights)
+        let points = folded.effects.has(Effect::DeltaLights);
+        points && lights::free(light).is_some_and(|e| effect_of(&e) == Effect::DeltaLights)
     };
     let spreads = |i: usize| folded.uses[i].used && material::spreads(&folded.kinds[i]);
     let mut lights = scene.lights.iter().filter(is_delta);
-    let (light, &caster) = (lights.next()?, casters.first()?);
+    // At what is a little rough, lights are sampled.
+    let mut smooth = casters.iter().filter(|&&i| casts(scene, &folded.kinds[i]).is_some());
+    let (light, &caster) = (lights.next()?, smooth.next()?);
     if !(0..scene.materials.len()).any(spreads) {
         return None;
     }
@@ -163,6 +172,6 @@ pub(super) fn out_of_reach(scene: &Scene, folded: &Folded<'_>, casters: &[usize]
         light.name,
         more(lights.count()),
         scene.materials[caster].name,
-        more(casters.len() - 1)
+        more(smooth.count())
     ))
 }

@@ -36,6 +36,8 @@ pub(super) struct Uses {
 pub(super) struct Folded<'a> {
     pub(super) kinds: Vec<Cow<'a, MaterialKind>>,
     pub(super) uses: Vec<Uses>,
+    /// The effects that they may call for.
+    pub(super) effects: Effects,
 }
 
 /// Whether vertex colours do anything to a material.
@@ -88,7 +90,7 @@ pub(super) fn fold(scene: &Scene, tables: Effects) -> Folded<'_> {
     if tables != Effects::EVERYTHING {
         kinds.iter_mut().zip(&uses).for_each(|(kind, uses)| reduce(kind, uses, tables));
     }
-    Folded { kinds, uses }
+    Folded { kinds, uses, effects: tables }
 }
 
 /// Takes from a material what is not among the effects of `tables`. Where those are what a scene calls for,

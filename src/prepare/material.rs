@@ -15,11 +15,15 @@ use super::normal::NormalMap;
 use super::texture::Sampler;
 use super::varying::Varying;
 use crate::bsdf::dielectric::RoughDielectric;
-use crate::bsdf::fresnel::{f0_of_ior, ior_of_f0};
+use crate::bsdf::fresnel::{Fresnel, f0_of_ior, ior_of_f0};
 use crate::bsdf::{Bsdf, Charlie, Coat, Diffuse, Glass, Mirror, Principled, SMOOTH_ALPHA, Sheen, Specular};
 use crate::color::Rgb;
 use crate::math;
 use crate::scene::{self, Absorption, ImageId, MaterialKind, Pixels, Scene};
+
+/// GGX widths below this are narrow: a roughness below 0.32. Light that such a surface throws onto something
+/// else is a caustic, if photons look for it.
+pub(super) const NARROW_ALPHA: f32 = 0.1;
 
 /// A material as the integrator reads it.
 #[derive(Clone, Debug)]
@@ -30,6 +34,9 @@ pub struct PreparedMaterial {
     pub interior: Option<Interior>,
     /// Whether light that is transmitted enters or leaves a volume; false for sheets.
     pub encloses: bool,
+    /// Whether it has lobes with a spread, and all of them are narrow: what it does counts as thrown, as what a lobe
+    /// does that has no spread.
+    pub(crate) narrow: bool,
     /// What the albedo feature shows, where nothing varies.
     pub albedo: Rgb,
     /// Whether any of the following is there.
@@ -61,6 +68,7 @@ pub(super) struct Numbers {
     pub(super) coat_ior: f32,
     pub(super) sheen_color: Rgb,
     pub(super) sheen_roughness: f32,
+    pub(super) fresnel: Fresnel,
 }
 
 impl From<&scene::Principled> for Numbers {
@@ -80,6 +88,7 @@ impl From<&scene::Principled> for Numbers {
             coat_ior: p.coat_ior,
             sheen_color: p.sheen_color,
             sheen_roughness: p.sheen_roughness,
+            fresnel: Fresnel::Exact,
         }
     }
 }
@@ -145,13 +154,15 @@ pub(super) fn pixels(scene: &Scene, image: ImageId) -> Arc<Pixels> {
 /// Compiles materials, and keeps the tables that several of them read.
 pub(super) struct Compiler<'a> {
     scene: &'a Scene,
+    fresnel: Fresnel,
     rows: Rows,
     tables: AllTables,
 }
 
 impl<'a> Compiler<'a> {
-    pub(super) fn new(scene: &'a Scene) -> Self {
-        Self { scene, rows: Rows::default(), tables: AllTables::default() }
+    /// For materials whose dielectrics reflect by that curve.
+    pub(super) fn new(scene: &'a Scene, fresnel: Fresnel) -> Self {
+        Self { scene, fresnel, rows: Rows::new(fresnel), tables: AllTables::new(fresnel) }
     }
 
     /// All materials of the scene.
@@ -172,6 +183,7 @@ impl<'a> Compiler<'a> {
             bsdf,
             interior: None,
             encloses: false,
+            narrow: false,
             albedo,
             detailed: false,
             varying: None,
@@ -190,7 +202,10 @@ impl<'a> Compiler<'a> {
             MaterialKind::Glass(g) => PreparedMaterial {
                 interior: interior(kind),
                 encloses: true,
-                ..plain(Bsdf::Glass(Glass { ior: g.ior, tint: g.tint, thin: false }), g.tint)
+                ..plain(
+                    Bsdf::Glass(Glass { ior: g.ior, tint: g.tint, thin: false, fresnel: self.fresnel }),
+                    g.tint,
+                )
             },
             MaterialKind::Principled(p) => {
                 let varies = varies(p, colored);
@@ -201,11 +216,12 @@ impl<'a> Compiler<'a> {
                 let normal = p.textures.normal.as_ref();
                 let normal = normal.map(|n| Box::new(NormalMap::new(n, read(&n.texture, false))));
                 // Where everything is compiled at the hit, nothing needs to be compiled here.
-                let bsdf =
-                    if varies { Bsdf::Black } else { principled(&Numbers::from(&**p), &mut self.rows) };
+                let numbers = Numbers { fresnel: self.fresnel, ..Numbers::from(&**p) };
+                let bsdf = if varies { Bsdf::Black } else { principled(&numbers, &mut self.rows) };
                 PreparedMaterial {
                     interior: interior(kind),
                     encloses: !p.thin && p.transmission > 0.0,
+                    narrow: is_narrow(kind),
                     varying: varies.then(|| Box::new(Varying::new(p, self.scene, &mut self.tables))),
                     cutout: Cutout::new(p, self.scene).map(Box::new),
                     normal,
@@ -288,6 +304,21 @@ pub(super) fn spreads(kind: &MaterialKind) -> bool {
     }
 }
 
+/// Whether all lobes of a folded material are narrow, wherever it is looked at.
+pub(super) fn is_narrow(kind: &MaterialKind) -> bool {
+    let MaterialKind::Principled(p) = kind else { return false };
+    let (n, t) = (Numbers::from(&**p), &p.textures);
+    let narrow = |roughness: f32| roughness * roughness < NARROW_ALPHA;
+    let varies = [&t.metallic, &t.roughness, &t.transmission, &t.coat, &t.coat_roughness];
+    let opaque = n.metallic < 1.0 && n.transmission < 1.0;
+    !opaque
+        && narrow(n.roughness)
+        && (!has_coat(&n) || narrow(n.coat_roughness))
+        && n.sheen_color.is_black()
+        && t.sheen_color.is_none()
+        && varies.iter().all(|slot| slot.is_none())
+}
+
 /// Whether light may pass to the other side of a folded material.
 pub(super) fn may_transmit(p: &scene::Principled) -> bool {
     p.transmission > 0.0 && (p.metallic < 1.0 || p.textures.metallic.is_some())
@@ -308,10 +339,14 @@ pub(super) fn darkest(scene: &Scene, t: &scene::ScalarTexture) -> f32 {
     super::texture::darkest_channel(&pixels(scene, t.texture.image), t.channel)
 }
 
+fn smooth_glass(p: &Numbers) -> Glass {
+    Glass { ior: p.ior, tint: p.transmission_tint, thin: p.thin, fresnel: p.fresnel }
+}
+
 /// The principled material, or what it reduces to exactly.
 fn principled(p: &Numbers, rows: &mut Rows) -> Bsdf {
     if is_smooth_glass(p) {
-        return Bsdf::Glass(Glass { ior: p.ior, tint: p.transmission_tint, thin: p.thin });
+        return Bsdf::Glass(smooth_glass(p));
     }
     let lobes = lobes(p, rows);
     if lobes.specular.is_none() && p.metallic == 0.0 && p.transmission == 0.0 && !has_layers(p) {
@@ -336,7 +371,8 @@ pub(super) fn lobes(p: &Numbers, rows: &mut impl Albedos) -> Principled {
         } else {
             rows.dielectric(alpha, p.ior)
         };
-        RoughDielectric { alpha, ior: p.ior, tint: p.transmission_tint, thin: p.thin, total }
+        let Glass { ior, tint, thin, fresnel } = smooth_glass(p);
+        RoughDielectric { alpha, ior, tint, thin, fresnel, total }
     });
     Principled {
         alpha: if smooth { 0.0 } else { alpha },
@@ -346,7 +382,7 @@ pub(super) fn lobes(p: &Numbers, rows: &mut impl Albedos) -> Principled {
         specular,
         white: needs_white.then(|| rows.white(alpha)),
         rough,
-        smooth: Glass { ior: p.ior, tint: p.transmission_tint, thin: p.thin },
+        smooth: smooth_glass(p),
         coat: has_coat(p).then(|| coat(p, rows)),
         sheen: (!p.sheen_color.is_black()).then(|| sheen(p, rows)),
     }
@@ -359,6 +395,7 @@ fn coat(p: &Numbers, rows: &mut impl Albedos) -> Coat {
         weight: p.coat,
         alpha: if smooth { 0.0 } else { alpha },
         ior,
+        fresnel: p.fresnel,
         albedo: (!smooth).then(|| rows.coat(alpha, ior)),
     }
 }
@@ -392,7 +429,7 @@ fn specular(p: &Numbers, alpha: f32, rows: &mut impl Albedos) -> Option<Specular
         return None;
     }
     let eta = ior_of_f0(f0);
-    let mut s = Specular { f0, tint, eta, grazing: None, average: Rgb::BLACK };
+    let mut s = Specular { f0, tint, eta, fresnel: p.fresnel, grazing: None, average: Rgb::BLACK };
     s.average = (tint * f0).lerp(Rgb::WHITE, rows.grazing_average(eta, f0));
     if alpha >= SMOOTH_ALPHA {
         s.grazing = Some(rows.grazing(alpha, eta, f0));

@@ -26,20 +26,24 @@ mod material;
 mod nesting;
 mod normal;
 mod plan;
+mod shortcuts;
 mod start;
 mod surface;
 mod texture;
 mod varying;
 
-pub use algorithm::{Algorithms, Caustics, CausticsMode, MOST_BRANCHES};
+pub use crate::bsdf::fresnel::Fresnel;
+pub use algorithm::{Algorithms, Caustics, CausticsMode, Indirect, MOST_BRANCHES};
 pub use analyse::analyse;
 pub use camera::{CameraRays, Seen};
-pub(crate) use casters::Casting;
+pub(crate) use casters::{Casting, Photons};
 pub use choices::{ABOUT, ROULETTE_START};
 pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
 pub use nesting::{Inside, Medium};
 pub use plan::{Choice, EXACT, Effect, Effects, KERNELS, KernelSet, LeftOut, Need, Plan, Unseen};
+pub(crate) use shortcuts::{Kept, Way};
+pub use shortcuts::{Omission, Omissions, Shortcut, Shortcuts, shortcuts_of};
 pub use surface::Surface;
 
 use glam::DVec3;
@@ -60,8 +64,10 @@ pub struct Options {
     pub seed: u64,
     /// Which kernel runs.
     pub effects: EffectsMode,
-    /// Cap on scattering events: 0 is emission only. None by default.
+    /// Cap on scattering events: 0 is emission only. None by default: a cap is a shortcut.
     pub max_depth: Option<u32>,
+    /// The other shortcuts; none by default.
+    pub shortcuts: Shortcuts,
     /// Whether camera rays that leave the scene see nothing, instead of what shines from there.
     pub transparent: bool,
     /// Which estimators run.
@@ -82,7 +88,7 @@ pub enum EffectsMode {
 }
 
 /// Why a scene could not be prepared.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PrepareError {
     /// No camera has the name that was asked for.
     #[error("no camera is called \"{name}\"; the scene has: {}", .known.join(", "))]
@@ -104,6 +110,16 @@ pub enum PrepareError {
         width: u32,
         /// Pixels.
         height: u32,
+    },
+    /// The number of a shortcut means nothing.
+    #[error("{shortcut}: found {found}, expected {expected}")]
+    Shortcut {
+        /// Its flag.
+        shortcut: String,
+        /// The number.
+        found: f32,
+        /// What it should be.
+        expected: &'static str,
     },
 }
 
@@ -128,6 +144,8 @@ pub struct Prepared {
     pub seed: u64,
     /// Cap on scattering events.
     pub max_depth: Option<u32>,
+    /// What shortcuts leave of each contribution of light.
+    pub(crate) kept: Kept,
     /// Whether the background counts as transparent.
     pub transparent: bool,
     /// What the camera is in.
@@ -145,8 +163,10 @@ pub struct Prepared {
     object_materials: Vec<u32>,
     /// Where bodies have an order.
     nesting: Option<nesting::Nesting>,
-    /// Where photons start, if there are any.
-    casting: Option<Box<Casting>>,
+    /// Which lights are told apart where photons are compared with paths.
+    pub(crate) apart: lights::Apart,
+    /// Where photons start, where they can.
+    photons: Option<Box<Photons>>,
 }
 
 /// Replications of a picture of this many pixels: independent sequences whose means give the error.
@@ -158,10 +178,18 @@ pub fn replications(pixels: u64) -> u32 {
 /// Builds everything that the plan of `scene` calls for, and nothing else.
 ///
 /// # Errors
-/// Where the camera or the size that `options` ask for cannot be.
+/// Where the camera, the size or a shortcut that `options` ask for cannot be.
 pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareError> {
-    let camera = camera_of(scene, options)?;
-    prepare_planned(scene, options, analyse(scene, camera, options))
+    prepare_planned(scene, options, plan(scene, options)?)
+}
+
+/// The plan for what `options` ask for.
+///
+/// # Errors
+/// As [`prepare`], but for the size.
+pub fn plan(scene: &Scene, options: &Options) -> Result<Plan, PrepareError> {
+    options.check_shortcuts()?;
+    Ok(analyse(scene, camera_of(scene, options)?, options))
 }
 
 /// The same for a plan that is at hand: that of [`analyse`], or one that leaves something out on purpose.
@@ -170,9 +198,10 @@ pub fn prepare(scene: &Scene, options: &Options) -> Result<Prepared, PrepareErro
 /// As [`prepare`].
 pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<Prepared, PrepareError> {
     check_size(options.size)?;
+    options.check_shortcuts()?;
     let camera = camera_of(scene, options)?;
     let folded = fold::fold(scene, plan.tables);
-    let mut compiler = material::Compiler::new(scene);
+    let mut compiler = material::Compiler::new(scene, options.shortcuts.fresnel);
     let materials = compiler.all(&folded);
     let nesting =
         plan.tables.has(Effect::Nesting).then(|| nesting::Nesting::new(scene, &folded, &mut compiler));
@@ -183,13 +212,17 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
     let lengths = FixedPoint::around(flat.reach(camera) as f32);
     let radiance_format =
         FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));
+    let apart = lights::Apart::new(&lights, flat.radius);
     let cutouts = scene.objects.iter().any(|o| materials[o.material.0 as usize].cutout.is_some());
+    let lights = lights.into_iter().map(|g| g.emitters).collect();
     let lights = LightSet::new(lights, flat.primitives, flat.radius);
-    let casting =
-        (plan.caustics != Caustics::Path).then(|| Box::new(Casting::new(scene, &folded, &flat, &lights)));
+    let all = (flat.middle, flat.radius);
+    let casting = (flat.radius > 0.0 && algorithm::photons_can(scene, &folded))
+        .then(|| Casting::new(scene, &folded, &flat, &lights));
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
     let start = start::medium(scene, &materials, nesting.as_ref(), camera.transform.translation);
     let rays = rays(camera, options.size, &plan);
+    let photons = casting.map(|c| Box::new(Photons::new(c, &lights, all, &accel, &rays, options.size)));
     Ok(Prepared {
         #[cfg(epsilux_dummy_effect)]
         dummy: dummy::Dummy::asked().filter(|_| plan.tables.has(Effect::Dummy)),
@@ -202,6 +235,7 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
         size: options.size,
         seed: options.seed,
         max_depth: options.max_depth,
+        kept: Kept::new(&options.shortcuts),
         transparent: options.transparent,
         start,
         radiance_format,
@@ -211,7 +245,8 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
         cutouts,
         object_materials: scene.objects.iter().map(|o| o.material.0).collect(),
         nesting,
-        casting,
+        apart,
+        photons,
     })
 }
 
@@ -251,8 +286,7 @@ impl Prepared {
     }
 
     /// Turns this into what `scene`, which it was prepared from, is for a plan with other choices and a picture of
-    /// another size and seed. Tables and kernel stay, and so does where photons start: a plan may have photons only
-    /// if the first one had.
+    /// another size and seed. Tables and kernel stay.
     ///
     /// # Errors
     /// As [`prepare`].
@@ -265,6 +299,9 @@ impl Prepared {
         check_size(options.size)?;
         self.camera = rays(camera_of(scene, options)?, options.size, &plan);
         (self.size, self.seed, self.plan) = (options.size, options.seed, plan);
+        if let Some(photons) = &mut self.photons {
+            photons.aim(&self.lights, &self.accel, &self.camera, self.size);
+        }
         Ok(())
     }
 
@@ -281,10 +318,29 @@ impl Prepared {
         self.object_materials[object as usize]
     }
 
-    /// Where photons start; `None` where the plan has none.
+    /// Where photons start that find caustics; `None` where the plan has none.
     #[inline]
     #[must_use]
     pub(crate) fn casting(&self) -> Option<&Casting> {
-        self.casting.as_deref().filter(|_| self.plan.caustics != Caustics::Path)
+        self.photons.as_deref().filter(|_| self.plan.caustics != Caustics::Path).map(|p| &p.casting)
+    }
+
+    /// Where photons start that say beside the paths how much light there is; `None` where no light can be traced, or
+    /// where it would not say what the picture shows.
+    pub(crate) fn second(&self) -> Option<&Photons> {
+        self.photons().filter(|_| !self.kept.clamps())
+    }
+
+    /// Where photons start; `None` where no light can be traced.
+    #[inline]
+    #[must_use]
+    pub(crate) fn photons(&self) -> Option<&Photons> {
+        self.photons.as_deref()
+    }
+
+    /// What people call the lights that [`Doubt::LightNotFound`](crate::film::Doubt::LightNotFound) tells apart.
+    #[must_use]
+    pub fn lights_apart(&self) -> &[String] {
+        &self.apart.names
     }
 }

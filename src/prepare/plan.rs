@@ -6,7 +6,8 @@
 //! whatever kernel runs; pruning (kernels, tables) changes nothing: a test compares bytes.
 
 use super::EffectsMode;
-use super::algorithm::Caustics;
+use super::algorithm::{Algorithms, Caustics, CausticsMode, Indirect};
+use super::shortcuts::Shortcut;
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -164,6 +165,12 @@ impl Effects {
         Self(self.0 & !(1 << effect as u8))
     }
 
+    /// The set without the effects of another.
+    #[must_use]
+    pub const fn minus(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// Whether every effect of `other` is in the set.
     #[must_use]
     pub const fn covers(self, other: Self) -> bool {
@@ -245,8 +252,11 @@ pub struct Choice {
     pub reason: String,
 }
 
+/// Why something is left out that the scene calls for.
+pub(super) const ASKED_FOR: &str = "asked for: the picture lacks it";
+
 /// What is simulated, why, by which kernel, and how.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// What the scene calls for, in the order of [`Effect::ALL`].
     pub needs: Vec<Need>,
@@ -264,6 +274,10 @@ pub struct Plan {
     pub replications: u32,
     /// How caustics are found.
     pub caustics: Caustics,
+    /// How indirect light is found.
+    pub indirect: Indirect,
+    /// What is left out or approximated on purpose.
+    pub shortcuts: Vec<Shortcut>,
     /// Samples of lights at the first vertex that spreads light, at least one.
     pub light_samples: u32,
     /// Branches of a path where the first thing that the camera sees is a mirror or clear glass, at least one.
@@ -277,6 +291,24 @@ impl Plan {
     #[must_use]
     pub fn effects(&self) -> Effects {
         Effects(self.needs.iter().fold(0, |bits, n| bits | 1 << n.effect as u8))
+    }
+
+    /// What asks for the choices of this plan, so that none is left to a pilot.
+    #[must_use]
+    pub fn algorithms(&self) -> Algorithms {
+        let (caustics, unbiased) = match self.caustics {
+            Caustics::Path => (CausticsMode::Path, false),
+            Caustics::Traced => (CausticsMode::Photon, true),
+            Caustics::Photon => (CausticsMode::Photon, false),
+        };
+        Algorithms {
+            caustics,
+            unbiased,
+            indirect: self.indirect,
+            light_samples: Some(self.light_samples),
+            split: Some(self.split),
+            roulette: Some(self.roulette),
+        }
     }
 
     /// The kernel that runs.
@@ -303,7 +335,7 @@ impl Plan {
         plan.needs.retain(|n| n.effect != effect);
         if plan.needs.len() < before {
             let at = plan.left_out.iter().position(|l| l.effect > effect).unwrap_or(plan.left_out.len());
-            plan.left_out.insert(at, LeftOut { effect, reason: "asked for: the picture lacks it".into() });
+            plan.left_out.insert(at, LeftOut { effect, reason: ASKED_FOR.into() });
         }
         plan.tables = plan.tables.without(effect);
         if plan.kernel < EXACT {
@@ -312,12 +344,13 @@ impl Plan {
         plan
     }
 
-    /// Takes the kernel that was asked for, and what tables are built for it.
-    pub(super) fn run_by(&mut self, mode: EffectsMode) {
+    /// Takes the kernel that was asked for, and what tables are built for it: none for what is `omitted`, whatever
+    /// the kernel simulates.
+    pub(super) fn run_by(&mut self, mode: EffectsMode, omitted: Effects) {
         let effects = self.effects();
         (self.kernel, self.tables) = match mode {
             EffectsMode::Auto => (smallest(effects), effects),
-            EffectsMode::All => (KERNELS.len() - 1, Effects::EVERYTHING),
+            EffectsMode::All => (KERNELS.len() - 1, Effects::EVERYTHING.minus(omitted)),
             EffectsMode::Exact => (EXACT, effects),
         };
     }

@@ -56,7 +56,7 @@ impl Varying {
 
     /// A principled material that has been folded.
     pub(super) fn new(p: &scene::Principled, scene: &Scene, tables: &mut AllTables) -> Self {
-        let numbers = Numbers::from(p);
+        let numbers = Numbers { fresnel: tables.fresnel, ..Numbers::from(p) };
         let color =
             |t: &Option<scene::Texture>| t.as_ref().map(|t| Sampler::new(t, &pixels(scene, t.image), true));
         let value = |t: &Option<scene::ScalarTexture>| {

@@ -7,7 +7,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::prepare::{Effects, Plan};
+use crate::prepare::{Effects, Plan, Shortcut};
 use crate::scene::{Note, NoteEffect};
 
 /// A plan, and what was noticed on the way to its scene.
@@ -26,6 +26,7 @@ enum Section {
     Differs,
     Kernel,
     Algorithm,
+    Shortcut,
 }
 
 impl Section {
@@ -37,6 +38,7 @@ impl Section {
             Self::Differs => "differs",
             Self::Kernel => "kernel",
             Self::Algorithm => "algorithm",
+            Self::Shortcut => "shortcut",
         }
     }
 
@@ -45,7 +47,7 @@ impl Section {
         match self {
             Self::Simulated => "\u{1b}[32m",
             Self::LeftOut => "\u{1b}[2m",
-            Self::NotModelled => "\u{1b}[1;33m",
+            Self::NotModelled | Self::Shortcut => "\u{1b}[1;33m",
             Self::Differs => "\u{1b}[33m",
             Self::Kernel | Self::Algorithm => "\u{1b}[36m",
         }
@@ -105,6 +107,9 @@ impl<'a> Explanation<'a> {
         for choice in &self.plan.choices {
             add(Section::Algorithm, choice.about, format!("{}: {}", choice.chosen, choice.reason));
         }
+        for shortcut in &self.plan.shortcuts {
+            add(Section::Shortcut, &shortcut.to_string(), shortcut.flag());
+        }
         lines
     }
 }
@@ -136,6 +141,8 @@ pub struct PlanFacts<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     kernel: Option<Kernel>,
     algorithms: Vec<Algorithm<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    shortcuts: Vec<String>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -187,6 +194,7 @@ impl<'a> From<&'a Plan> for PlanFacts<'a> {
             not_modelled: not_modelled.collect(),
             kernel: Some(Kernel { name: plan.kernel().name, reason: kernel_reason(plan) }),
             algorithms: algorithms.collect(),
+            shortcuts: plan.shortcuts.iter().map(Shortcut::flag).collect(),
         }
     }
 }
@@ -226,6 +234,8 @@ mod tests {
             kernel: 1,
             replications: 4,
             caustics: Caustics::Path,
+            indirect: crate::prepare::Indirect::Path,
+            shortcuts: Vec::new(),
             light_samples: 1,
             split: 1,
             roulette: 4,

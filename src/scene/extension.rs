@@ -94,6 +94,8 @@ pub(crate) struct FilmTable {
     /// Cap on the number of times that light scatters; none where left out.
     #[schemars(with = "Option<u32>")]
     pub(crate) max_depth: Option<f64>,
+    /// Factor on light that diffuse or rough surfaces scattered more than once; one where left out, as physics has it.
+    pub(crate) indirect_gain: Option<f64>,
 }
 
 /// A node: an exact sphere, a light, and who sees them.

@@ -34,7 +34,7 @@ pub use material::{
 pub use mesh::Mesh;
 pub use note::{Effect as NoteEffect, Note};
 pub use texture::{Channel, Filter, NormalTexture, ScalarTexture, Texture, Textures, Wrap};
-pub use validate::{MAX_LENGTH, MAX_RADIANCE, MAX_SIDE, MIN_LENGTH, SceneError, validate};
+pub use validate::{MAX_INDIRECT_GAIN, MAX_LENGTH, MAX_RADIANCE, MAX_SIDE, MIN_LENGTH, SceneError, validate};
 
 use glam::DAffine3;
 
@@ -109,6 +109,9 @@ pub struct Settings {
     pub tone: Option<ToneCurve>,
     /// Cap on scattering events; none where absent.
     pub max_depth: Option<u32>,
+    /// Factor on light that was spread more than once, 0 to [`MAX_INDIRECT_GAIN`]; one where absent, as physics has
+    /// it.
+    pub indirect_gain: Option<f32>,
 }
 
 /// How linear radiance becomes a picture for a screen.

@@ -26,6 +26,8 @@ pub const MIN_LENGTH: f64 = 1e-15;
 pub const MAX_RADIANCE: f32 = 1e30;
 /// The most pixels along one side of a picture.
 pub const MAX_SIDE: u32 = 65_536;
+/// Largest factor on indirect light.
+pub const MAX_INDIRECT_GAIN: f32 = 1e6;
 /// How far a sphere's axes may differ in length, and leave the right angle; readers of formats whose
 /// rotations are singles stay well below.
 const SPHERE_TOLERANCE: f64 = 1e-5;
@@ -108,6 +110,10 @@ fn settings(s: &Settings) -> Check {
     }
     if s.spp == Some(0) {
         return wrong("settings.spp", "0 samples make no picture; at least 1 is needed");
+    }
+    if let Some(gain) = s.indirect_gain {
+        let expected = "from 0 to a million";
+        in_range("settings.indirect_gain", gain.into(), (0.0..=MAX_INDIRECT_GAIN).contains(&gain), expected)?;
     }
     match s.exposure {
         Some(e) => {
@@ -459,6 +465,7 @@ mod tests {
         check(|s| s.settings.size = Some([0, 4]), "settings.size: 0x4");
         check(|s| s.settings.spp = Some(0), "settings.spp");
         check(|s| s.settings.exposure = Some(nan), "settings.exposure: NaN");
+        check(|s| s.settings.indirect_gain = Some(-1.0), "settings.indirect_gain: -1");
         check(|s| s.materials[2].name = "d".into(), "materials[2]: material 0 is called `d` too");
         check(
             |s| s.materials[0].kind = MaterialKind::Diffuse { color: Rgb::grey(1.001) },

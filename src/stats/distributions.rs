@@ -34,6 +34,13 @@ pub fn student_two_sided(t: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |d| 2.0 * d.cdf(-t.abs()))
 }
 
+/// The number that Student's t with `freedom` degrees of freedom (positive, need not be whole) stays below with
+/// probability `p` in (0, 1).
+#[must_use]
+pub fn student_quantile(p: f64, freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |d| d.inverse_cdf(p))
+}
+
 /// Probability that the smallest of `n` independent p-values is at most `p`: 1 - (1 - p)^n
 /// (Šidák, JASA 62(318), 1967). For positively dependent tests it is an upper bound.
 #[must_use]
@@ -69,6 +76,7 @@ mod tests {
         for (t, freedom, p) in [(3.182_446_3, 3.0, 0.05), (2.228_138_9, 10.0, 0.05), (-63.656_741, 1.0, 0.01)]
         {
             assert!((student_two_sided(t, freedom) / p - 1.0).abs() < 1e-5, "{t} {freedom}");
+            assert!((student_quantile(0.5 * p, freedom) / -t.abs() - 1.0).abs() < 1e-5, "{t} {freedom}");
         }
         assert!((student_two_sided(2.0, 1e5) - two_sided(2.0)).abs() < 1e-5);
         assert_eq!(student_two_sided(f64::INFINITY, 3.0), 0.0);

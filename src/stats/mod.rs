@@ -9,7 +9,9 @@ pub mod gate;
 mod moments;
 mod slope;
 
-pub use distributions::{normal_cdf, normal_quantile, sidak, sidak_each, student_two_sided, two_sided};
+pub use distributions::{
+    normal_cdf, normal_quantile, sidak, sidak_each, student_quantile, student_two_sided, two_sided,
+};
 pub use error::{relative_error, relative_mse, root_mean_square_error};
 pub use moments::{Moments, Welch, welch};
 pub use slope::slope;

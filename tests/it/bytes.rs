@@ -534,3 +534,21 @@ fn choices_are_functions_of_the_scene() {
     let once = by(&file("hexroom"), EffectsMode::Auto, all);
     assert!(film(&twice, 1).0.to_image().rgb == film(&once, 1).0.to_image().rgb, "scaled");
 }
+
+/// Guards renders of some pixels: each is as in the whole picture, with photons too, and the others are empty.
+#[test]
+fn some_pixels_are_those_of_all() {
+    for name in ["cornell", "caustic"] {
+        let algorithms = Algorithms { caustics: CausticsMode::Photon, ..Algorithms::PATHS };
+        let options = Options { algorithms, ..options(SIZE, seed("some pixels"), None) };
+        let scene = prepare(&file(name), &options).expect("a camera");
+        let plain = || RenderOptions { features: false, ..passes() };
+        let all = picture(&scene, &plain());
+        let some = picture(&scene, &RenderOptions { every: 7, ..plain() });
+        let count = some.count.as_ref().expect("counted");
+        let rendered: Vec<usize> = (0..count.len()).filter(|&i| count[i] > 0).collect();
+        assert_eq!(rendered.len(), (SIZE[0] * SIZE[1]) as usize / 7, "{name}");
+        assert!(rendered.iter().all(|&i| some.rgb[i] == all.rgb[i]), "{name}");
+        assert!((0..count.len()).all(|i| count[i] > 0 || some.rgb[i] == Rgb::BLACK), "{name}");
+    }
+}

@@ -91,7 +91,7 @@ fn planned_and_everything_agree_on_every_fixture() {
 }
 
 /// Tiny scenes around one feature each, of all features.
-fn feature_scenes() -> Vec<(String, Scene)> {
+pub(crate) fn feature_scenes() -> Vec<(String, Scene)> {
     let mut list = vec![
         ("everything".to_owned(), features::everything()),
         ("everything textured".to_owned(), textured::everything_textured()),

@@ -101,6 +101,24 @@ fn materials_throw_light() {
     check_all(thin, [640, 512], |_| 0.5);
 }
 
+/// Guards materials all of whose lobes are narrow: what they throw is left to photons too, whether paths would have met
+/// the light or sampled it.
+#[test]
+fn narrow_materials_throw_light() {
+    let kinds = ["metal,", "glass of roughness,", "absorbing glass of roughness,"];
+    let narrow =
+        |name: &str| name.ends_with("roughness 0.25") && kinds.iter().any(|kind| name.starts_with(kind));
+    let mut scenes: Vec<_> = features::materials().into_iter().filter(|(name, _)| narrow(name)).collect();
+    assert_eq!(scenes.len(), kinds.len());
+    let coated = principled(|p| {
+        (p.coat, p.coat_roughness) = (1.0, 0.2);
+        (p.metallic, p.roughness) = (1.0, 0.1);
+    });
+    scenes
+        .push(("coat over metal, both narrow".to_owned(), with_ball(features::layers().remove(0).1, coated)));
+    check_all(scenes, [96, 256], |_| 0.35);
+}
+
 /// Reflections by thin layers throw little light, and few photons.
 fn is_thin(name: &str) -> bool {
     ["plastic", "layer"].iter().any(|n| name.contains(n))
@@ -270,6 +288,25 @@ fn maps_in_the_hexagonal_room() {
     let mut scene = file(include_str!("../../scenes/hexroom.toml"));
     enlarge(&mut scene, "light", 4.8);
     check_maps("hexroom", &scene, [6, 48], 0.15, 0.03);
+}
+
+/// Guards the same with glass and metal that are a little rough, seen in one another.
+#[test]
+fn maps_of_narrow_materials() {
+    let mut scene = file(include_str!("../../scenes/hexroom.toml"));
+    enlarge(&mut scene, "light", 4.8);
+    for m in &mut scene.materials {
+        match m.kind {
+            MaterialKind::Glass(_) => {
+                m.kind = principled(|p| (p.transmission, p.roughness) = (1.0, 0.2));
+            }
+            MaterialKind::Mirror { .. } => {
+                m.kind = principled(|p| (p.metallic, p.roughness) = (1.0, 0.25));
+            }
+            _ => {}
+        }
+    }
+    check_maps("narrow hexroom", &valid(&scene), [6, 48], 0.15, 0.03);
 }
 
 /// Guards the same where the caustic is all there is.

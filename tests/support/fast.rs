@@ -5,7 +5,7 @@
 
 use epsilux::color::Rgb;
 use epsilux::integrate::{Counters, Kernel, kernel};
-use epsilux::prepare::{Algorithms, EffectsMode, Options, Prepared, prepare};
+use epsilux::prepare::{Algorithms, EffectsMode, Options, Prepared, Shortcuts, prepare};
 use epsilux::sampling::Address;
 use epsilux::scene::{Scene, complete, validate};
 use epsilux::shape::Ray;
@@ -17,7 +17,8 @@ use super::scenes::Probe;
 pub(crate) fn options(size: [u32; 2], seed: u64, max_depth: Option<u32>) -> Options {
     let effects = EffectsMode::Auto;
     let algorithms = Algorithms::PATHS;
-    Options { camera: None, size, seed, effects, max_depth, transparent: false, algorithms }
+    let shortcuts = Shortcuts::default();
+    Options { camera: None, size, seed, effects, max_depth, shortcuts, transparent: false, algorithms }
 }
 
 /// A valid copy of `scene` that has a camera; its light is its own.

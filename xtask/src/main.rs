@@ -1,6 +1,8 @@
 //! Repository chores: `cargo xtask --help` lists them; each is a subcommand in a file of its own.
 
 mod blender;
+mod calibrate;
+mod cost;
 mod gltf;
 mod golden;
 mod hard;
@@ -24,6 +26,8 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Chore {
     Blender(blender::Arguments),
+    Calibrate(calibrate::Arguments),
+    Cost(cost::Arguments),
     GltfValidate(gltf::Arguments),
     Golden(golden::Arguments),
     Hard(hard::Arguments),
@@ -35,6 +39,8 @@ enum Chore {
 fn main() -> ExitCode {
     let done = match Arguments::parse().chore {
         Chore::Blender(arguments) => blender::run(&arguments),
+        Chore::Calibrate(arguments) => calibrate::run(&arguments),
+        Chore::Cost(arguments) => cost::run(&arguments),
         Chore::GltfValidate(arguments) => gltf::run(&arguments),
         Chore::Golden(arguments) => golden::run(&arguments),
         Chore::Hard(arguments) => hard::run(&arguments),

@@ -22,6 +22,8 @@ const MANIFESTS: [&str; 2] = ["Cargo.toml", "xtask/Cargo.toml"];
 const UNSAFE: &str = "src/accel/simd.rs";
 /// Lines of a file in src, beyond which it is more than one subject.
 const LONGEST: usize = 700;
+/// The page whose table of costs is checked.
+const README: &str = "README.md";
 /// What scenes are expected to render to, and why.
 const GOLDENS: &str = "fixtures/golden/";
 const BLESSINGS: &str = "fixtures/golden/BLESSINGS.md";
@@ -90,6 +92,7 @@ fn check(files: &[File]) -> Vec<String> {
     blessings(files, &mut findings);
     words(files, &mut findings);
     headers(files, &mut findings);
+    costs(files, &mut findings);
     let uses: Vec<Used> = files.iter().filter(|f| f.path.ends_with(".rs")).flat_map(used).collect();
     match files.iter().find(|f| f.path == ARCHITECTURE) {
         Some(file) => {
@@ -267,13 +270,34 @@ fn blessings(files: &[File], findings: &mut Findings) {
     let references =
         files.iter().filter(|f| f.path.starts_with(GOLDENS) && f.path.ends_with("/reference.json"));
     for file in references {
-        let hash: String =
-            Sha256::digest(file.text.as_bytes()).iter().take(8).map(|b| format!("{b:02x}")).collect();
+        let hash = content_hash(&file.text);
         if !reasons.contains(&hash) {
             let what = format!(
                 "{hash}, expected a section in {BLESSINGS} that names it; `cargo xtask golden bless` writes one"
             );
             findings.add(&file.path, 0, what);
+        }
+    }
+}
+
+/// What a text is named by: the beginning of its SHA-256, hexadecimal.
+pub(crate) fn content_hash(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().take(8).map(|b| format!("{b:02x}")).collect()
+}
+
+/// The table of costs was made from the scenes as they are.
+fn costs(files: &[File], findings: &mut Findings) {
+    let Some(readme) = files.iter().find(|f| f.path == README) else { return };
+    let Some((line, number)) = readme.text.lines().zip(1..).find(|(l, _)| l.starts_with(crate::cost::BEGIN))
+    else {
+        return findings.add(README, 0, "no table of costs, expected the one that `cargo xtask cost` writes");
+    };
+    for file in files.iter().filter(|f| f.path.starts_with("scenes/") && f.path.ends_with(".toml")) {
+        let name = &file.path["scenes/".len()..];
+        let expected = format!("{name} {}", content_hash(&file.text));
+        if !line.contains(&expected) {
+            let what = format!("costs of another version of {name}; `cargo xtask cost` measures them again");
+            findings.add(README, number, what);
         }
     }
 }

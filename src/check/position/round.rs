@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::bsdf::fresnel::Fresnel;
 use crate::bsdf::{Glass, Transport};
 use crate::check::random::Random;
 use crate::check::surfaces::{aimed, tilted};
@@ -16,7 +17,7 @@ const IOR: f32 = 1.5;
 /// The direction of `ray` after it went into a ball of glass and out of it; `None` where it misses or is
 /// reflected.
 fn through(ray: &Ray, center: Vec3, radius: f32) -> Option<Vec3> {
-    let glass = Glass { ior: IOR, tint: Rgb::WHITE, thin: false };
+    let glass = Glass { ior: IOR, tint: Rgb::WHITE, thin: false, fresnel: Fresnel::Exact };
     let mut ray = *ray;
     for leaving in [false, true] {
         let t = sphere::first_hit(&ray, center, radius, leaving)?;

@@ -160,6 +160,7 @@ impl<'s> Document<'s> {
             tone: settings.tone.map(Word),
             spp: settings.spp.map(f64::from),
             max_depth: settings.max_depth.map(f64::from),
+            indirect_gain: settings.indirect_gain.map(single),
         };
         let environment = self.scene.environment.as_ref().map(|e| {
             let picture = e.image.and_then(|image| self.sky(image.image));

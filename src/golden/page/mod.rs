@@ -5,14 +5,11 @@
 //! escaped. It is made for a screen of any width, in light and dark, and for paper, where every section is
 //! unfolded.
 
-mod base64;
 mod curve;
 mod findings;
 mod pictures;
-mod plot;
 mod quantiles;
 mod scene;
-mod text;
 
 #[cfg(test)]
 mod made;
@@ -22,6 +19,7 @@ mod tests;
 use std::cmp::Reverse;
 
 use super::{Verdict, Verification};
+use crate::page::{self, plot, text};
 use text::{Text, probability, seconds};
 
 /// What a page says about the run as a whole.
@@ -45,20 +43,17 @@ pub fn page(verifications: &[Verification], about: &About) -> String {
     scenes.sort_by_key(|v| Reverse(v.verdict));
     let ids = ids(&scenes);
     let sections: String = scenes.iter().zip(&ids).map(|(v, id)| scene::section(v, id)).collect();
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <title>{title}: {outcome}</title>\n<style>\n{style}</style>\n</head>\n<body>\n\
-         <header>\n<p class=\"title\">{title}</p>\n<h1 class=\"{word}\">{outcome}</h1>\n</header>\n\
-         <main>\n{table}{sections}</main>\n{footer}</body>\n</html>\n",
+    let outcome = outcome(verifications);
+    let body = format!(
+        "<header>\n<p class=\"title\">{title}</p>\n<h1 class=\"{word}\">{outcome}</h1>\n</header>\n\
+         <main>\n{table}{sections}</main>\n{footer}",
         title = Text(&about.title),
-        outcome = Text(&outcome(verifications)),
-        style = include_str!("style.css"),
+        outcome = Text(&outcome),
         word = verifications.iter().map(|v| v.verdict).max().unwrap_or(Verdict::Passed).word(),
         table = table(&scenes, &ids),
         footer = footer(about),
-    )
+    );
+    page::document(&format!("{}: {outcome}", about.title), include_str!("style.css"), &body, "")
 }
 
 /// `17 scenes: 15 passed, 1 improved, 1 refused`.

@@ -4,11 +4,10 @@
 //! radiance is exposed by the reference alone, so that reference and render can be compared by eye; a value
 //! that is not a number is magenta, and nothing else is.
 
-use super::base64;
 use super::text::{Text, change, percent, signed};
 use crate::color::{Rgb, srgb_to_linear};
 use crate::film::{Image, LightLayer};
-use crate::output::{Format, Tone, WriteOptions, encode};
+use crate::page::picture::{ODD, exposure_of_part, img, layer, raised, total};
 
 /// Deviations at the ends of the colour scale.
 const MOST: f64 = 4.0;
@@ -23,52 +22,8 @@ const SCALE: [[f32; 3]; 5] = [
 ];
 /// Side of a block of the coarse map, pixels.
 const BLOCK: usize = 8;
-/// What stands for a value that is not a number; linear.
-const ODD: Rgb = Rgb::new(1.0, 0.0, 1.0);
 /// A layer that holds less of the light of both pictures is not shown.
 const NEXT_TO_NOTHING: f64 = 1e-6;
-
-/// Stops by which pixels are raised: halfway between what brings the median to a dark grey and what brings the
-/// 95th percentile below white. Black pixels do not count.
-pub(super) fn exposure(pixels: &[Rgb]) -> f32 {
-    let mut lit: Vec<f32> =
-        pixels.iter().map(|c| c.luminance()).filter(|l| l.is_finite() && *l > 0.0).collect();
-    lit.sort_by(f32::total_cmp);
-    let quantile = |q: usize| lit.get((lit.len() * q / 100).min(lit.len().saturating_sub(1))).copied();
-    let (Some(median), Some(high)) = (quantile(50), quantile(95)) else { return 0.0 };
-    let stops = 0.5 * (libm::log2f(0.2) - libm::log2f(median) + libm::log2f(0.8) - libm::log2f(high));
-    stops.clamp(-100.0, 100.0)
-}
-
-/// The same for a part of the light, which may be a small bright spot with long tails: half of its light comes
-/// from pixels that become brighter than a middle grey.
-fn exposure_of_part(pixels: &[Rgb]) -> f32 {
-    let mut lit: Vec<f32> =
-        pixels.iter().map(|c| c.luminance()).filter(|l| l.is_finite() && *l > 0.0).collect();
-    lit.sort_by(f32::total_cmp);
-    let all: f64 = lit.iter().map(|&l| f64::from(l)).sum();
-    let mut below = 0.0;
-    let half = lit.into_iter().find(|&l| {
-        below += f64::from(l);
-        below >= 0.5 * all
-    });
-    half.map_or(0.0, |l| (libm::log2f(0.4) - libm::log2f(l)).clamp(-100.0, 100.0))
-}
-
-/// Pixels as a picture: an `img` element, or why there is none.
-fn img(width: usize, height: usize, pixels: Vec<Rgb>, stops: f32, alt: &str) -> String {
-    let rgb = pixels.into_iter().map(|c| if c.is_finite() { c } else { ODD * libm::exp2f(-stops) }).collect();
-    let image = Image { width: width as u32, height: height as u32, rgb, ..Image::default() };
-    let options = WriteOptions { tone: Tone { exposure: stops, ..Tone::default() } };
-    match encode(&image, Format::Png, &options) {
-        Ok(png) => format!(
-            "<img src=\"data:image/png;base64,{}\" width=\"{width}\" height=\"{height}\" alt=\"{}\">",
-            base64::encode(&png),
-            Text(alt)
-        ),
-        Err(message) => format!("<p class=\"missing\">No picture: {}</p>", Text(&message)),
-    }
-}
 
 fn figure(picture: &str, name: &str, detail: &str) -> String {
     format!(
@@ -81,7 +36,7 @@ fn figure(picture: &str, name: &str, detail: &str) -> String {
 /// Radiance, exposed by `stops`.
 pub(super) fn radiance(image: &Image, stops: f32, name: &str, detail: &str, alt: &str) -> String {
     let [w, h] = [image.width as usize, image.height as usize];
-    figure(&img(w, h, image.rgb.clone(), stops, alt), name, detail)
+    figure(&img([w, h], image.rgb.clone(), raised(stops), alt), name, detail)
 }
 
 /// Where nothing could be rendered.
@@ -102,7 +57,7 @@ pub(super) fn differences(z: &[f32], width: usize, squares: &[Square], scene: &s
     let map = |w: usize, h: usize, z: &[f64], kind: &str| {
         let alt = format!("{scene}: {kind} of render and reference, in deviations");
         let pixels = z.iter().map(|&z| deviation_colour(z)).collect();
-        img(w, h, pixels, 0.0, &alt) + &frames(width, height, squares)
+        img([w, h], pixels, raised(0.0), &alt) + &frames(width, height, squares)
     };
     let fine: Vec<f64> = z.iter().map(|&z| f64::from(z)).collect();
     let (w, h, coarse) = blocks(&fine, width);
@@ -204,10 +159,10 @@ pub(super) fn layers(reference: &Image, image: Option<&Image>, scene: &str) -> S
         }
         let stops = exposure_of_part(if was > 0.0 { &before } else { after.as_ref().unwrap_or(&before) });
         let share = if whole > 0.0 { percent(was / whole) + " of the light" } else { String::new() };
-        let pair = img(w, h, before, stops, &format!("{scene}: {name} light of the reference"));
+        let pair = img([w, h], before, raised(stops), &format!("{scene}: {name} light of the reference"));
         let (other, moved) = match (after, is) {
             (Some(after), Some(is)) => (
-                img(w, h, after, stops, &format!("{scene}: {name} light of the render")),
+                img([w, h], after, raised(stops), &format!("{scene}: {name} light of the render")),
                 if was > 0.0 { change(is / was - 1.0) } else { "not in the reference".into() },
             ),
             _ => ("<p class=\"missing\">no layer</p>".into(), String::new()),
@@ -220,47 +175,9 @@ pub(super) fn layers(reference: &Image, image: Option<&Image>, scene: &str) -> S
     strips
 }
 
-/// Sum of luminance; what is not a number counts nothing.
-fn total(pixels: &[Rgb]) -> f64 {
-    pixels.iter().map(|c| f64::from(c.luminance())).filter(|l| l.is_finite()).sum()
-}
-
-/// A layer of three channels `NAME.R`, `NAME.G`, `NAME.B`, one value a pixel.
-fn layer(image: &Image, name: &str) -> Option<Vec<Rgb>> {
-    let channel = |suffix: &str| {
-        let mut all = image.layers.iter().flat_map(|l| &l.channels);
-        let wanted = |n: &str| n.strip_prefix(name).is_some_and(|rest| rest == suffix);
-        let found = all.find(|(n, _)| wanted(n)).map(|(_, values)| values);
-        found.filter(|values| values.len() == image.rgb.len())
-    };
-    let [r, g, b] = [channel(".R")?, channel(".G")?, channel(".B")?];
-    Some((0..r.len()).map(|i| Rgb::new(r[i], g[i], b[i])).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A dim picture is raised until it can be seen, a bright one lowered; black and broken pixels do not matter.
-    #[test]
-    fn exposure_makes_legible() {
-        let grey = |v: f32| vec![Rgb::grey(v); 50];
-        let level = |v: f32| v * libm::exp2f(exposure(&grey(v)));
-        for v in [1e-6, 0.4, 3e4] {
-            assert!((0.2..0.8).contains(&level(v)), "{v} becomes {}", level(v));
-        }
-        assert_eq!(exposure(&[]), 0.0);
-        let mut mixed = grey(0.5);
-        mixed.extend([Rgb::BLACK, Rgb::grey(f32::NAN)].repeat(100));
-        assert_eq!(exposure(&mixed), exposure(&grey(0.5)));
-        assert!((exposure_of_part(&mixed) - libm::log2f(0.8)).abs() < 1e-6);
-        let mut spot = vec![Rgb::grey(1e-4); 5000];
-        spot.extend(grey(2.0));
-        assert!(
-            (exposure_of_part(&spot) - libm::log2f(0.2)).abs() < 1e-6,
-            "the tail of a spot does not count"
-        );
-    }
 
     /// The scale is blue below, orange above, near white between, and ends at four deviations.
     #[test]
@@ -287,7 +204,5 @@ mod tests {
     fn wrong_sizes_are_left_out() {
         assert_eq!(differences(&[0.0; 5], 2, &[], "x"), "");
         assert_eq!(differences(&[], 0, &[], "x"), "");
-        assert!(img(2, 2, vec![Rgb::BLACK; 3], 0.0, "x").contains("No picture"));
-        assert!(img(0, 0, Vec::new(), 0.0, "x").contains("No picture"));
     }
 }

@@ -4,6 +4,7 @@ use super::pictures::{self, Square};
 use super::text::{Text, count, percent, probability, seconds, signed};
 use super::{badge, curve, findings, quantiles};
 use crate::golden::{Check, Power, Reason, Verdict, Verification};
+use crate::page::picture;
 use crate::stats::gate::{Finding, Kind, Outcome};
 
 /// Tiles that are outlined, at most.
@@ -87,7 +88,7 @@ fn checks(v: &Verification) -> String {
 }
 
 fn pictures_of(v: &Verification) -> String {
-    let stops = pictures::exposure(&v.reference.rgb);
+    let stops = picture::exposure(&v.reference.rgb);
     let stops_said = format!("shown at {} stops", signed(f64::from(stops), 1));
     let alt = format!("{}: reference", v.name);
     let mut html = pictures::radiance(&v.reference, stops, "Reference", &stops_said, &alt);

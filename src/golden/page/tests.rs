@@ -1,11 +1,11 @@
 //! What a page promises, on made-up verifications.
 
-use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
 use super::*;
 use crate::film::Image;
 use crate::golden::Check;
+use crate::page::is_well_formed;
 
 static MADE: LazyLock<Vec<Verification>> = LazyLock::new(made::verifications);
 
@@ -119,23 +119,4 @@ fn broken_verifications_make_a_page() {
     let html = page(&[nothing], &about());
     assert!(html.contains("No picture"));
     is_well_formed(&html);
-}
-
-fn is_well_formed(html: &str) {
-    const EMPTY: [&str; 3] = ["meta", "img", "br"];
-    let mut open: Vec<&str> = Vec::new();
-    let mut ids = BTreeSet::new();
-    for tag in html.split('<').skip(2).map(|s| s.split_once('>').expect("a tag ends").0) {
-        let word = tag.split([' ', '\n', '/']).find(|w| !w.is_empty()).expect("a tag has a name");
-        if tag.starts_with('/') {
-            assert_eq!(open.pop(), Some(word), "</{word}> ends something else");
-        } else if !tag.ends_with('/') && !EMPTY.contains(&word) {
-            open.push(word);
-        }
-        if let Some((_, rest)) = tag.split_once(" id=\"") {
-            let id = rest.split('"').next().expect("an id ends");
-            assert!(ids.insert(id), "id {id} occurs twice");
-        }
-    }
-    assert!(open.is_empty(), "{open:?} are not closed");
 }

@@ -70,6 +70,7 @@ pub(super) fn expand(document: Document) -> Result<(Scene, Origins), Fault> {
         exposure: r.exposure,
         tone: r.tone.map(|w| w.0),
         max_depth: r.max_depth,
+        indirect_gain: r.indirect_gain,
     };
     for (name, table) in document.camera.0 {
         let place = Place::top("camera").key(&name);

@@ -70,6 +70,8 @@ pub(super) struct RenderTable {
     pub(super) tone: Option<Word<ToneCurve>>,
     /// Cap on the number of times that light scatters.
     pub(super) max_depth: Option<u32>,
+    /// Factor on light that diffuse or rough surfaces scattered more than once; physics has 1.
+    pub(super) indirect_gain: Option<f32>,
 }
 
 /// A camera: `eye` and `target`, or `transform`; and `fov` or `orthographic`.

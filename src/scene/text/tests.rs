@@ -364,8 +364,9 @@ prop_compose! {
             ToneCurve::Srgb, ToneCurve::Agx, ToneCurve::Neutral, ToneCurve::Sqrt, ToneCurve::Linear,
         ])),
         max_depth in option::of(any::<u32>()),
+        indirect_gain in option::of(0.0..9.0f32),
     ) -> Settings {
-        Settings { size, spp, exposure, tone, max_depth }
+        Settings { size, spp, exposure, tone, max_depth, indirect_gain }
     }
 }
 

@@ -218,6 +218,7 @@ fn settings(s: &Settings) -> Table {
         .some("exposure", s.exposure)
         .some("tone", s.tone.map(Vocabulary::word))
         .some("max_depth", s.max_depth)
+        .some("indirect_gain", s.indirect_gain)
         .0
 }
 

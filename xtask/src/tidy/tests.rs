@@ -189,3 +189,16 @@ fn references_need_a_reason() {
     let reason = ("fixtures/golden/BLESSINGS.md", "## room\n\nreference.json 44136fa355b3678a.");
     assert_eq!(findings(&[reference, reason]), [""; 0]);
 }
+
+/// A scene that changes makes the table of costs stale.
+#[test]
+fn the_table_of_costs_is_that_of_the_scenes() {
+    let scene = "#:schema x.json\n#\n# A room.\nepsilux = 1";
+    let made_from = format!("# x\n<!-- cost: all; room.toml {} -->\n", content_hash(scene));
+    check_file("README.md", &made_from, &[]);
+    let found =
+        ["README.md:2: costs of another version of room.toml; `cargo xtask cost` measures them again"];
+    check_file("README.md", "# x\n<!-- cost: all; room.toml 0123456789abcdef -->\n", &found);
+    let found = ["README.md:0: no table of costs, expected the one that `cargo xtask cost` writes"];
+    check_file("README.md", "# x\n", &found);
+}

@@ -8,7 +8,7 @@ use super::{Root, choose};
 use crate::color::Rgb;
 use crate::scene::extension::{EnvironmentTable, FilmTable, SceneTable};
 use crate::scene::notes::Notes;
-use crate::scene::{Environment, EnvironmentImage, MAX_SIDE, NoteEffect, Scene, Settings};
+use crate::scene::{Environment, EnvironmentImage, MAX_INDIRECT_GAIN, MAX_SIDE, NoteEffect, Scene, Settings};
 
 /// The most by which an environment may be turned, radians: a few turns.
 const MAX_ROTATION: f64 = 1e3;
@@ -52,6 +52,10 @@ fn settings(film: &FilmTable, settings: &mut Settings, check: &mut Check<'_>) {
     }
     if let Some(depth) = film.max_depth {
         settings.max_depth = Some(check.whole("max_depth", depth, 0, u32::MAX));
+    }
+    if let Some(gain) = film.indirect_gain {
+        let most = MAX_INDIRECT_GAIN.into();
+        settings.indirect_gain = Some(check.number("indirect_gain", gain, 0.0, most) as f32);
     }
 }
 

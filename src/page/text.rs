@@ -7,7 +7,7 @@ use std::fmt;
 
 /// Foreign text, escaped for elements and for attributes in double quotes. Characters that HTML does not allow
 /// become replacement characters.
-pub(super) struct Text<'a>(pub(super) &'a str);
+pub(crate) struct Text<'a>(pub(crate) &'a str);
 
 impl fmt::Display for Text<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -49,18 +49,18 @@ fn odd(v: f64) -> Option<String> {
 }
 
 /// A number with its sign.
-pub(super) fn signed(v: f64, decimals: usize) -> String {
+pub(crate) fn signed(v: f64, decimals: usize) -> String {
     odd(v).unwrap_or_else(|| typeset(&format!("{v:+.decimals$}")))
 }
 
 /// A relative change: 0.01 is `+1.00 %`. Decimals are the same for all, so that columns align.
-pub(super) fn change(v: f64) -> String {
+pub(crate) fn change(v: f64) -> String {
     let percent = v * 100.0;
     signed(percent, if percent.abs() < 100.0 { 2 } else { 0 }) + "\u{a0}%"
 }
 
 /// A share or an error: 0.0123 is `1.2 %`, two digits.
-pub(super) fn percent(v: f64) -> String {
+pub(crate) fn percent(v: f64) -> String {
     let percent = v * 100.0;
     let decimals = match percent.abs() {
         p if p >= 9.95 => 0,
@@ -72,7 +72,7 @@ pub(super) fn percent(v: f64) -> String {
 }
 
 /// A probability, one or two digits: `0.21`, `0.004`, `3×10⁻⁹`.
-pub(super) fn probability(p: f64) -> String {
+pub(crate) fn probability(p: f64) -> String {
     match p {
         _ if !p.is_finite() => "not a number".into(),
         _ if p >= 0.0095 => format!("{p:.2}"),
@@ -98,7 +98,7 @@ fn superscript(c: char) -> char {
 }
 
 /// Ten to the power of a whole number.
-pub(super) fn power_of_ten(exponent: i32) -> String {
+pub(crate) fn power_of_ten(exponent: i32) -> String {
     match exponent {
         0 => "1".into(),
         -2 => "0.01".into(),
@@ -108,7 +108,7 @@ pub(super) fn power_of_ten(exponent: i32) -> String {
 }
 
 /// Wall-clock time.
-pub(super) fn seconds(s: f64) -> String {
+pub(crate) fn seconds(s: f64) -> String {
     match s {
         _ if !s.is_finite() || s < 0.0 => "unknown".into(),
         _ if s < 9.95 => format!("{s:.1}\u{a0}s"),
@@ -121,7 +121,7 @@ pub(super) fn seconds(s: f64) -> String {
 }
 
 /// `1 seed`, `2 seeds`.
-pub(super) fn count(n: usize, one: &str) -> String {
+pub(crate) fn count(n: usize, one: &str) -> String {
     format!("{n}\u{a0}{one}{}", if n == 1 { "" } else { "s" })
 }
 

@@ -17,32 +17,32 @@ const BOTTOM: f64 = 246.0;
 /// What a plot spans: x and y of its corners, in the numbers that are plotted (logarithms, where an axis is
 /// logarithmic).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Area {
+pub(crate) struct Area {
     /// From, to.
-    pub(super) x: [f64; 2],
+    pub(crate) x: [f64; 2],
     /// From, to.
-    pub(super) y: [f64; 2],
+    pub(crate) y: [f64; 2],
 }
 
 impl Area {
     /// SVG units of a point.
-    pub(super) fn at(&self, x: f64, y: f64) -> [f64; 2] {
+    pub(crate) fn at(&self, x: f64, y: f64) -> [f64; 2] {
         let share = |v: f64, [from, to]: [f64; 2]| (v - from) / (to - from).max(1e-12);
         [LEFT + share(x, self.x) * (RIGHT - LEFT), BOTTOM - share(y, self.y) * (BOTTOM - TOP)]
     }
 
     /// A line through points; `class` names its style.
-    pub(super) fn line(&self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) -> String {
+    pub(crate) fn line(&self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) -> String {
         format!("<polyline class=\"{class}\" points=\"{}\"/>", self.points(points))
     }
 
     /// An area within points.
-    pub(super) fn polygon(&self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) -> String {
+    pub(crate) fn polygon(&self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) -> String {
         format!("<polygon class=\"{class}\" points=\"{}\"/>", self.points(points))
     }
 
     /// A dot, with what it says where a pointer rests on it.
-    pub(super) fn dot(&self, class: &str, [x, y]: [f64; 2], radius: f64, says: Option<&str>) -> String {
+    pub(crate) fn dot(&self, class: &str, [x, y]: [f64; 2], radius: f64, says: Option<&str>) -> String {
         let [cx, cy] = self.at(x, y);
         let open = format!("<circle class=\"{class}\" cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"{radius}\"");
         match says {
@@ -52,7 +52,7 @@ impl Area {
     }
 
     /// Text beside a point, moved by SVG units; `anchor` is `start`, `middle` or `end`.
-    pub(super) fn label(
+    pub(crate) fn label(
         &self,
         class: &str,
         [x, y]: [f64; 2],
@@ -78,26 +78,26 @@ impl Area {
 }
 
 /// A whole plot.
-pub(super) struct Plot<'a> {
+pub(crate) struct Plot<'a> {
     /// For those who cannot see it: what it shows and what comes out.
-    pub(super) title: &'a str,
+    pub(crate) title: &'a str,
     /// What it spans.
-    pub(super) area: Area,
+    pub(crate) area: Area,
     /// Where an axis has a number, and the number.
-    pub(super) x_ticks: Vec<(f64, String)>,
+    pub(crate) x_ticks: Vec<(f64, String)>,
     /// The same.
-    pub(super) y_ticks: Vec<(f64, String)>,
+    pub(crate) y_ticks: Vec<(f64, String)>,
     /// What is along it.
-    pub(super) x_label: &'a str,
+    pub(crate) x_label: &'a str,
     /// The same, written above the axis's upper end, where it is read without turning one's head.
-    pub(super) y_label: &'a str,
+    pub(crate) y_label: &'a str,
     /// What stands between the axes, as SVG.
-    pub(super) marks: String,
+    pub(crate) marks: String,
 }
 
 impl Plot<'_> {
     /// The `svg` element.
-    pub(super) fn to_svg(&self) -> String {
+    pub(crate) fn to_svg(&self) -> String {
         let mut svg = format!(
             "<svg class=\"plot\" role=\"img\" viewBox=\"0 0 {WIDTH} {HEIGHT}\"><title>{}</title>\n",
             Text(self.title)
@@ -132,7 +132,7 @@ impl Plot<'_> {
 
 /// Where a logarithmic axis from `from` to `to` (common logarithms) has numbers: at powers of ten, or at as
 /// many multiples as are needed for three.
-pub(super) fn log_ticks([from, to]: [f64; 2]) -> Vec<f64> {
+pub(crate) fn log_ticks([from, to]: [f64; 2]) -> Vec<f64> {
     const STEPS: [&[f64]; 3] = [&[1.0], &[1.0, 2.0, 5.0], &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0]];
     let (first, last) = (from.floor() as i32, to.ceil() as i32);
     let ticks = |steps: &[f64]| -> Vec<f64> {
