@@ -55,6 +55,7 @@ pub(super) fn adopt(scene: &Scene, options: &mut Options, identity: &Identity) -
     options.algorithms = Algorithms {
         caustics,
         unbiased,
+        indirect: asked.indirect,
         light_samples: number(asked.light_samples, "light_samples"),
         split: number(asked.split, "split"),
         roulette: number(asked.roulette, "roulette"),

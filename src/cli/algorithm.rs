@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use crate::prepare::{Algorithms, CausticsMode, MOST_BRANCHES};
+use crate::prepare::{Algorithms, CausticsMode, Indirect, MOST_BRANCHES};
 
 /// Which estimators run.
 #[derive(Args, Debug)]
@@ -25,6 +25,7 @@ pub(super) struct AlgorithmArgs {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum One {
     Caustics(CausticsMode),
+    Indirect(Indirect),
     LightSamples(u32),
     Split(u32),
     Roulette(u32),
@@ -37,6 +38,7 @@ impl AlgorithmArgs {
         for &one in &self.algorithm {
             match one {
                 One::Caustics(mode) => meant.caustics = mode,
+                One::Indirect(how) => meant.indirect = how,
                 One::LightSamples(n) => meant.light_samples = Some(n),
                 One::Split(n) => meant.split = Some(n),
                 One::Roulette(n) => meant.roulette = Some(n),
@@ -59,9 +61,12 @@ fn one(text: &str) -> Result<One, String> {
         Some(("caustics", "path")) => Ok(One::Caustics(CausticsMode::Path)),
         Some(("caustics", "photon")) => Ok(One::Caustics(CausticsMode::Photon)),
         Some(("caustics", _)) => Err("expected caustics=auto, caustics=path or caustics=photon".to_owned()),
+        Some(("indirect", "path")) => Ok(One::Indirect(Indirect::Path)),
+        Some(("indirect", "photon")) => Ok(One::Indirect(Indirect::Photon)),
+        Some(("indirect", _)) => Err("expected indirect=path or indirect=photon".to_owned()),
         Some(("light-samples", n)) => number(n, 1, MOST_BRANCHES).map(One::LightSamples),
         Some(("split", n)) => number(n, 1, MOST_BRANCHES).map(One::Split),
         Some(("roulette", n)) => number(n, 0, LATEST_ROULETTE).map(One::Roulette),
-        _ => Err("expected caustics=.., light-samples=.., split=.. or roulette=..".to_owned()),
+        _ => Err("expected caustics=.., indirect=.., light-samples=.., split=.. or roulette=..".to_owned()),
     }
 }

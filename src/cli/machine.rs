@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::doubt::DoubtJson;
 use super::forecast::Quoted;
 use super::notes::NoteJson;
 use super::shortcuts::PricedJson;
@@ -51,7 +52,7 @@ pub(super) struct Report<'a> {
 }
 
 /// The estimated error of the picture.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Serialize)]
 pub(super) struct ErrorJson {
     error: f64,
     interval: [f64; 2],
@@ -59,6 +60,8 @@ pub(super) struct ErrorJson {
     /// How many pixels carry it.
     pixels: f64,
     tail: Option<TailJson>,
+    /// Why it cannot be trusted.
+    doubt: Option<DoubtJson>,
 }
 
 /// Few samples that carry much of the light: shares of both.
@@ -68,10 +71,17 @@ pub(super) struct TailJson {
     light: f64,
 }
 
-impl From<ErrorEstimate> for ErrorJson {
-    fn from(e: ErrorEstimate) -> Self {
-        let tail = e.tail.map(|t| TailJson { samples: t.samples, light: t.light });
-        Self { error: e.error, interval: e.interval, trusted: e.trusted, pixels: e.effective_pixels, tail }
+impl ErrorJson {
+    /// Of a picture whose lights are told apart by these names.
+    pub(super) fn new(e: &ErrorEstimate, lights: &[String]) -> Self {
+        Self {
+            error: e.error,
+            interval: e.interval,
+            trusted: e.trusted,
+            pixels: e.effective_pixels,
+            tail: e.tail.map(|t| TailJson { samples: t.samples, light: t.light }),
+            doubt: e.doubt.as_ref().map(|d| DoubtJson::new(d, lights)),
+        }
     }
 }
 

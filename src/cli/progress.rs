@@ -97,7 +97,7 @@ impl<'a> Display<'a> {
                     seconds_left_interval: range,
                     rays: p.rays,
                     mrays_per_second,
-                    error: p.error.map(|(e, _)| e.into()),
+                    error: p.error.map(|(e, _)| ErrorJson::new(&e, &[])),
                     error_passes: p.error.map(|(_, passes)| passes),
                     error_target: p.error_target,
                 };

@@ -57,10 +57,6 @@ pub(super) struct QuoteArgs {
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
 
-    /// Cap on scattering events; 0 shows emission only [default: the scene's, else none]
-    #[arg(long, value_name = "N")]
-    max_depth: Option<u32>,
-
     #[command(flatten)]
     algorithms: AlgorithmArgs,
 
@@ -212,7 +208,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
                 rays: pilot.rays,
                 seconds: pilot.elapsed.as_secs_f64(),
                 threads: pilot.threads,
-                error: pilot.error.map(ErrorJson::from),
+                error: pilot.error.map(|e| ErrorJson::new(&e, &[])),
             },
             seconds_per_sample: pilot.pass_seconds,
             quotes: prices.into_iter().map(|(error, quote)| PriceJson::new(error, quote)).collect(),
@@ -248,7 +244,6 @@ fn prepare(
     });
     let mut options = job.prepare;
     options.seed = args.seed;
-    options.max_depth = args.max_depth.or(options.max_depth);
     options.algorithms = algorithms;
     args.shortcuts.take(&mut options);
     let asked = Asked { threads: args.threads, ..Asked::default() };
@@ -264,7 +259,7 @@ fn write_pilot(text: &mut String, pilot: &Pilot) {
     let seconds = show_time(pilot.elapsed.as_secs_f64());
     let _ =
         writeln!(text, "pilot: {} samples {where_} in {seconds} on {} threads", pilot.passes, pilot.threads);
-    match pilot.error.as_ref().map(error_line) {
+    match pilot.error.as_ref().map(|e| error_line(e, &[])) {
         Some(line) => text.push_str(&format!("       {line}\n")),
         None => text.push_str("       the picture is black, or its error cannot be estimated\n"),
     }

@@ -6,6 +6,8 @@
 //!
 //! Memory: three `i128` and one `u32` for each pixel and replication, about 200 bytes a pixel.
 
+mod cross;
+mod doubt;
 mod error;
 mod fixed;
 mod image;
@@ -15,6 +17,8 @@ mod state;
 mod sums;
 mod tail;
 
+pub use cross::{CELL, Found, Glimpse, LIGHT_CLASSES, LIGHTS_APART, light_class};
+pub use doubt::{CrossCell, Doubt, TwoWays};
 pub use error::{ErrorEstimate, Squares};
 pub use fixed::FixedPoint;
 pub use image::{Image, Layer};

@@ -166,7 +166,7 @@ mod tests {
     fn photons_are_parts_of_samples() {
         let mut film = film(|_, _| 1.0);
         for pixel in 0..64 {
-            film.splat(pixel * 64, 3, Rgb::grey(2000.0), LightLayer::Caustic).expect("a radiance");
+            film.splat(pixel * 64, 3, Rgb::grey(2000.0), LightLayer::Caustic, 1).expect("a radiance");
         }
         let tail = film.tail().expect("a tail");
         assert_eq!(tail.samples, 0.0);

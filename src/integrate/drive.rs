@@ -16,14 +16,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use super::li::Counters;
-use super::photon::{Photon, PhotonMap, Radius, Splat, Tracer};
+use super::path::Counters;
+use super::photon::{Maps, Photon, Radius, Second, Seen, Splat, Tracer};
 use super::render::{BadSample, Busy, Control, Outcome, Progress, RenderError, RenderOptions};
-use crate::film::{ErrorEstimate, Film, LightLayer, Refusal, Sample};
+use crate::film::{CELL, ErrorEstimate, Film, Found, LightLayer, Refusal, Sample};
 use crate::math::mix64;
 
-/// Side of a tile, pixels.
-const TILE: u32 = 16;
+/// Side of a tile, pixels: light is compared by tiles.
+const TILE: u32 = CELL;
 /// Refused samples that are reported one by one.
 const REPORTED: usize = 8;
 
@@ -31,21 +31,35 @@ const REPORTED: usize = 8;
 pub(super) trait Source: Sync {
     /// The sample of `pass` at a pixel of the whole picture, with the photons of the pass where there are
     /// any: a function of these two and nothing else.
-    fn sample(&self, pixel: [u32; 2], pass: u32, map: Option<&PhotonMap>, counters: &mut Counters) -> Sample;
+    fn sample(&self, pixel: [u32; 2], pass: u32, maps: Option<&Maps>, counters: &mut Counters) -> Sample;
 
     /// What traces photons, if anything does.
     fn tracer(&self) -> Option<&Tracer<'_>> {
         None
     }
+
+    /// What says beside the paths how much light there is, if anything does.
+    fn second(&self) -> Option<&Second<'_>> {
+        None
+    }
+}
+
+/// What is done of a tile of a pass.
+struct Tile {
+    index: usize,
+    samples: Vec<Sample>,
+    /// What its paths found, and photons that are traced beside.
+    found: Found,
+    seen: Seen,
 }
 
 /// What is done of one pass.
 #[derive(Default)]
 struct Pending {
-    tiles: Vec<(usize, Vec<Sample>)>,
+    tiles: Vec<Tile>,
     /// Parts of the photons that are traced.
     chunks: u32,
-    photons: Vec<(u32, Vec<Photon>)>,
+    photons: Vec<(u32, LightLayer, Vec<Photon>)>,
     splats: Vec<Splat>,
 }
 
@@ -93,7 +107,7 @@ struct Job<'a> {
     cancelled: AtomicBool,
     pending: Mutex<BTreeMap<u32, Pending>>,
     /// The maps of passes on their way.
-    maps: Mutex<BTreeMap<u32, Arc<PhotonMap>>>,
+    maps: Mutex<BTreeMap<u32, Arc<Maps>>>,
     mapped: Condvar,
     film: Mutex<FilmState>,
     samples: AtomicU64,
@@ -200,8 +214,8 @@ impl Job<'_> {
                 Item::Chunk(..) => {}
                 Item::Tile(pass, tile) if pass < passes => {
                     let pass = self.options.passes.start + pass as u32;
-                    let samples = self.tile(tile, pass);
-                    self.deliver(pass, |pending| pending.tiles.push((tile as usize, samples)));
+                    let tile = self.tile(tile, pass);
+                    self.deliver(pass, |pending| pending.tiles.push(tile));
                 }
                 Item::Tile(..) => break,
             }
@@ -228,34 +242,34 @@ impl Job<'_> {
         let begin = Instant::now();
         let mut counters = Counters::default();
         let traced = tracer.trace(pass, chunk, &mut counters);
-        counters.layer_rays[LightLayer::Caustic as usize] = counters.rays;
+        counters.layer_rays[traced.layer as usize] = counters.rays;
         self.count(&counters);
         let mut all = Vec::new();
         self.deliver(pass, |pending| {
             pending.splats.extend(traced.splats);
-            pending.photons.push((chunk, traced.photons));
+            pending.photons.push((chunk, traced.layer, traced.photons));
             pending.chunks += 1;
             if pending.chunks == tracer.chunks() {
                 all = std::mem::take(&mut pending.photons);
             }
         });
-        if !all.is_empty() && tracer.maps() {
-            all.sort_by_key(|&(chunk, _)| chunk);
-            let map = tracer.map(Radius::of(pass), all.into_iter().map(|(_, photons)| photons).collect());
-            lock(&self.maps).insert(pass, Arc::new(map));
+        if !all.is_empty() && tracer.gathers() {
+            all.sort_by_key(|&(chunk, ..)| chunk);
+            let parts = all.into_iter().map(|(_, layer, photons)| (layer, photons)).collect();
+            lock(&self.maps).insert(pass, Arc::new(tracer.maps(Radius::of(pass), parts)));
             self.mapped.notify_all();
         }
         self.busy.photons.add(begin);
     }
 
-    /// The map of a pass. Its photons were handed out before its tiles, and whoever has a part of them
+    /// The maps of a pass. Its photons were handed out before its tiles, and whoever has a part of them
     /// finishes it, so that the wait ends.
-    fn map(&self, pass: u32) -> Option<Arc<PhotonMap>> {
-        self.source.tracer().filter(|t| t.maps())?;
+    fn maps(&self, pass: u32) -> Option<Arc<Maps>> {
+        self.source.tracer().filter(|t| t.gathers())?;
         let mut maps = lock(&self.maps);
         loop {
-            if let Some(map) = maps.get(&pass) {
-                return Some(Arc::clone(map));
+            if let Some(own) = maps.get(&pass) {
+                return Some(Arc::clone(own));
             }
             maps = self.mapped.wait(maps).unwrap_or_else(std::sync::PoisonError::into_inner);
         }
@@ -292,19 +306,24 @@ impl Job<'_> {
         every == 1 || index % every == mix64(index / every) % every
     }
 
-    fn tile(&self, tile: u32, pass: u32) -> Vec<Sample> {
-        let map = self.map(pass);
+    fn tile(&self, tile: u32, pass: u32) -> Tile {
+        let maps = self.maps(pass);
         let begin = Instant::now();
         let mut counters = Counters::default();
         let of = |[column, row]: [u32; 2]| {
             let pixel = [self.crop[0] + column, self.crop[1] + row];
-            self.source.sample(pixel, pass, map.as_deref(), &mut counters)
+            self.source.sample(pixel, pass, maps.as_deref(), &mut counters)
         };
         let samples: Vec<Sample> = self.pixels(tile).map(of).collect();
+        let tiles = self.tile_count() as u32;
+        // Their rays are not counted: they are not those of the picture.
+        let mut beside = Counters::default();
+        let trace = |s: &Second<'_>| s.trace(pass, tile, tiles, &mut beside);
+        let seen = self.source.second().map(trace).unwrap_or_default();
         self.busy.tiles.add(begin);
         self.samples.fetch_add(samples.len() as u64, Ordering::Relaxed);
         self.count(&counters);
-        samples
+        Tile { index: tile as usize, samples, found: counters.found, seen }
     }
 
     /// Adds to what is done of a pass, and all of that to the film where it is complete.
@@ -356,13 +375,16 @@ impl Job<'_> {
             capped: now(&self.capped),
             gathered: now(&self.gathered),
             layer_rays,
+            ..Counters::default()
         }
     }
 
     fn commit(&self, state: &mut FilmState, pass: u32, pending: &Pending) {
         let begin = Instant::now();
-        for (tile, samples) in &pending.tiles {
-            for ([column, row], sample) in self.pixels(*tile as u32).zip(samples) {
+        for Tile { index, samples, found, seen } in &pending.tiles {
+            state.film.found(*index, found);
+            state.film.glimpses(seen.traced, &seen.glimpses);
+            for ([column, row], sample) in self.pixels(*index as u32).zip(samples) {
                 let pixel = row as usize * self.crop[2] as usize + column as usize;
                 let added = state.film.add(pixel, pass, sample);
                 self.note(state, pixel, pass, added);
@@ -373,7 +395,7 @@ impl Job<'_> {
             if !self.is_rendered(splat.pixel % self.crop[2], splat.pixel / self.crop[2]) {
                 continue;
             }
-            let added = state.film.splat(pixel, pass, splat.radiance, LightLayer::Caustic);
+            let added = state.film.splat(pixel, pass, splat.radiance, LightLayer::Caustic, splat.class);
             self.note(state, pixel, pass, added);
         }
         self.busy.film.add(begin);

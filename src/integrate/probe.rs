@@ -6,8 +6,8 @@
 use rayon::prelude::*;
 
 use super::kernels::{Kernel, kernel};
-use super::li::Counters;
-use super::photon::{PhotonMap, Radius, Tracer};
+use super::path::Counters;
+use super::photon::{Maps, Radius, Tracer};
 use super::render::sample;
 use crate::film::LightLayer;
 use crate::prepare::Prepared;
@@ -29,7 +29,7 @@ pub(crate) struct Probed {
 
 /// The photons of a pass.
 pub(crate) struct Photons {
-    map: Option<PhotonMap>,
+    maps: Option<Maps>,
     /// Pixel (row-major) and luminance of what the camera sees of them directly.
     pub(crate) splats: Vec<(u32, f64)>,
     /// Rays that they took.
@@ -65,13 +65,13 @@ impl<'a> Probe<'a> {
             for (traced, took) in chunks {
                 rays += took;
                 splats.extend(traced.splats.iter().map(|s| (s.pixel, f64::from(s.radiance.luminance()))));
-                parts.push(traced.photons);
+                parts.push((traced.layer, traced.photons));
             }
         }
         radii.map(|radius| {
-            let tracer = self.tracer.as_ref().filter(|t| t.maps());
-            let map = tracer.map(|t| t.map(radius, parts.clone()));
-            Photons { map, splats: splats.clone(), rays }
+            let tracer = self.tracer.as_ref().filter(|t| t.gathers());
+            let maps = tracer.map(|t| t.maps(radius, parts.clone()));
+            Photons { maps, splats: splats.clone(), rays }
         })
     }
 
@@ -81,8 +81,8 @@ impl<'a> Probe<'a> {
         let one = |i: u32| {
             let mut counters = Counters::default();
             let pixel = [i % width, i / width];
-            let map = photons.map.as_ref();
-            let found = sample(self.scene, &self.kernel, true, pixel, pass, map, &mut counters);
+            let maps = photons.maps.as_ref();
+            let found = sample(self.scene, &self.kernel, true, pixel, pass, maps, &mut counters);
             let layers = found.layers.unwrap_or_default();
             Probed {
                 luminance: f64::from(found.radiance.luminance()),

@@ -8,8 +8,9 @@ use std::time::Duration;
 
 use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
-use super::li::{Counters, first_surface};
-use super::photon::{PhotonMap, Radius, Tracer};
+use super::li::first_surface;
+use super::path::Counters;
+use super::photon::{Maps, Radius, Second, Tracer};
 use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample, Squares};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
@@ -215,13 +216,14 @@ struct Planned<'a> {
     scene: &'a Prepared,
     kernel: Kernel,
     tracer: Option<Tracer<'a>>,
+    second: Option<Second<'a>>,
     features: bool,
     layers: bool,
 }
 
 impl Source for Planned<'_> {
-    fn sample(&self, pixel: [u32; 2], pass: u32, map: Option<&PhotonMap>, counters: &mut Counters) -> Sample {
-        let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, map, counters);
+    fn sample(&self, pixel: [u32; 2], pass: u32, maps: Option<&Maps>, counters: &mut Counters) -> Sample {
+        let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, maps, counters);
         if self.features {
             s.features = features(self.scene, pixel, pass);
         }
@@ -230,6 +232,10 @@ impl Source for Planned<'_> {
 
     fn tracer(&self) -> Option<&Tracer<'_>> {
         self.tracer.as_ref()
+    }
+
+    fn second(&self) -> Option<&Second<'_>> {
+        self.second.as_ref()
     }
 }
 
@@ -240,7 +246,7 @@ pub(super) fn sample(
     layers: bool,
     pixel: [u32; 2],
     pass: u32,
-    map: Option<&PhotonMap>,
+    maps: Option<&Maps>,
     counters: &mut Counters,
 ) -> Sample {
     let k = scene.plan.replications;
@@ -248,12 +254,20 @@ pub(super) fn sample(
     let address = Address::new(scene.seed, index, pass % k, pass / k);
     let u = address.block(0, Purpose::Camera, 0, 0);
     let ray = scene.camera.ray(pixel, [u[0], u[1]], || square_to_disk([u[2], u[3]]));
-    if layers || map.is_some() {
-        let (radiance, parts) = (kernel.layered)(scene, map, address, ray, counters);
+    if layers || maps.is_some() {
+        let (radiance, parts) = (kernel.layered)(scene, maps, address, ray, counters);
         return Sample { radiance, features: None, layers: layers.then_some(parts) };
     }
     let radiance = (kernel.li)(scene, address, ray, counters);
     Sample { radiance, features: None, layers: None }
+}
+
+/// Traces the photons of some passes that say how much light there is ([`Film::cross_cells`]) onto a film, alone: more
+/// of them than a render has. Nothing where no light can be traced.
+pub fn second_opinion(scene: &Prepared, film: &mut Film, passes: Range<u32>) {
+    if let Some(second) = Second::new(scene, film.layout().crop) {
+        passes.for_each(|pass| second.onto(film, pass, &mut Counters::default()));
+    }
 }
 
 /// What the first surface seen through a sample is like.
@@ -279,15 +293,15 @@ fn features(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Option<Features> {
 #[must_use]
 pub fn replay(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Sample {
     let counters = &mut Counters::default();
-    let mut map = None;
+    let mut maps = None;
     let mut splats = Vec::new();
     if let Some(tracer) = Tracer::new(scene, [pixel[0], pixel[1], 1, 1]) {
         let traced: Vec<_> = (0..tracer.chunks()).map(|chunk| tracer.trace(pass, chunk, counters)).collect();
         splats = traced.iter().flat_map(|t| t.splats.clone()).collect();
-        let parts = || traced.into_iter().map(|t| t.photons).collect();
-        map = tracer.maps().then(|| tracer.map(Radius::of(pass), parts()));
+        let parts = || traced.into_iter().map(|t| (t.layer, t.photons)).collect();
+        maps = tracer.gathers().then(|| tracer.maps(Radius::of(pass), parts()));
     }
-    let mut sample = sample(scene, &kernel(&scene.plan), false, pixel, pass, map.as_ref(), counters);
+    let mut sample = sample(scene, &kernel(&scene.plan), false, pixel, pass, maps.as_ref(), counters);
     splats.iter().for_each(|s| sample.radiance += s.radiance);
     sample
 }
@@ -319,6 +333,8 @@ pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
         layers: options.layers,
         layer_noise: options.layer_noise,
         transparent: scene.transparent,
+        // Photons light all pixels.
+        cross: scene.second().is_some() && options.every <= 1,
     }
 }
 
@@ -339,6 +355,7 @@ pub fn render_onto(
     }
     let features = options.features || scene.transparent;
     let (layers, tracer) = (options.layers || options.layer_noise, Tracer::new(scene, layout.crop));
-    let source = Planned { scene, kernel: kernel(&scene.plan), tracer, features, layers };
+    let second = Second::new(scene, layout.crop);
+    let source = Planned { scene, kernel: kernel(&scene.plan), tracer, second, features, layers };
     drive(&source, film, options, control)
 }

@@ -20,6 +20,8 @@ pub struct Algorithms {
     pub caustics: CausticsMode,
     /// Whether estimators are left out whose error does not vanish on average.
     pub unbiased: bool,
+    /// How indirect light is found.
+    pub indirect: Indirect,
     /// Samples of lights at the first vertex that spreads light, 1 to [`MOST_BRANCHES`].
     pub light_samples: Option<u32>,
     /// Branches of a path where the first thing that the camera sees is a mirror or clear glass, 1 to
@@ -35,6 +37,7 @@ impl Algorithms {
     pub const PATHS: Self = Self {
         caustics: CausticsMode::Path,
         unbiased: false,
+        indirect: Indirect::Path,
         light_samples: Some(1),
         split: Some(1),
         roulette: Some(super::ROULETTE_START),
@@ -102,6 +105,28 @@ impl Caustics {
     }
 }
 
+/// How light is found that was scattered before it reaches a place where a path is spread for the second time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Indirect {
+    /// By the path, which goes on.
+    #[default]
+    Path,
+    /// By density estimation: photons near that place, traced anew in each pass. The path ends there. That is
+    /// consistent: its bias vanishes as passes are added.
+    Photon,
+}
+
+impl Indirect {
+    /// What reports call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "paths",
+            Self::Photon => "photons",
+        }
+    }
+}
+
 /// The choice for a scene without a pilot, where the materials `casters` focus light: photons only where there is
 /// something that throws light, and light; and unless asked for, only what paths cannot find.
 pub(super) fn caustics(
@@ -119,19 +144,44 @@ pub(super) fn caustics(
 
 /// What photons can do for a scene.
 fn by_photons(scene: &Scene, folded: &Folded<'_>, unbiased: bool) -> Caustics {
-    // What a photon is in where it starts is not known, and where bodies have an order all depends on it.
-    if scene.objects.iter().any(|o| scene.materials[o.material.0 as usize].kind.body().is_some()) {
-        return Caustics::Path;
-    }
     let kind = |material: u32| &*folded.kinds[material as usize];
-    let thrown = scene.objects.iter().any(|o| throws(scene, kind(o.material.0)).is_some());
-    let emits = |k: &MaterialKind| matches!(k.emission(), Some((_, Sides::Front | Sides::Both)));
-    let lit = !scene.lights.is_empty()
-        || scene.environment.is_some()
-        || scene.objects.iter().any(|o| emits(kind(o.material.0)));
-    match (thrown && lit, unbiased) {
+    let thrown = || scene.objects.iter().any(|o| throws(scene, kind(o.material.0)).is_some());
+    match (photons_can(scene, folded) && thrown(), unbiased) {
         (false, _) => Caustics::Path,
         (true, true) => Caustics::Traced,
         (true, false) => Caustics::Photon,
     }
+}
+
+/// How indirect light is found, and why, where photons are asked for.
+pub(super) fn indirect(
+    scene: &Scene,
+    folded: &Folded<'_>,
+    algorithms: &Algorithms,
+) -> (Indirect, &'static str) {
+    match algorithms.indirect {
+        Indirect::Path => (Indirect::Path, "asked for"),
+        Indirect::Photon if algorithms.unbiased => (Indirect::Path, "a photon map has a bias"),
+        Indirect::Photon if !photons_can(scene, folded) => (
+            Indirect::Path,
+            "there is no light, or bodies have priorities, where it is not known what photons are in",
+        ),
+        Indirect::Photon => (
+            Indirect::Photon,
+            "a map where a path is spread for the second time; its bias vanishes as passes are added",
+        ),
+    }
+}
+
+/// Whether light can be traced from where it starts: there is some, and it is known what photons are in.
+pub(super) fn photons_can(scene: &Scene, folded: &Folded<'_>) -> bool {
+    // What a photon is in where it starts is not known, and where bodies have an order all depends on it.
+    if scene.objects.iter().any(|o| scene.materials[o.material.0 as usize].kind.body().is_some()) {
+        return false;
+    }
+    let kind = |material: u32| &*folded.kinds[material as usize];
+    let emits = |k: &MaterialKind| matches!(k.emission(), Some((_, Sides::Front | Sides::Both)));
+    !scene.lights.is_empty()
+        || scene.environment.is_some()
+        || scene.objects.iter().any(|o| emits(kind(o.material.0)))
 }

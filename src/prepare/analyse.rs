@@ -8,8 +8,8 @@
 
 use glam::Vec4;
 
-use super::algorithm::{Caustics, caustics};
-use super::choices::{ROULETTE_START, casters, choices, unseen};
+use super::algorithm::{Caustics, Indirect, caustics, indirect};
+use super::choices::{ROULETTE_START, casters, choices, reuse, unseen};
 use super::fold::{Folded, Uses, fold, has_surface};
 use super::lights::{self, effect_of};
 use super::material::{self, Numbers};
@@ -78,6 +78,10 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     let algorithms = &options.algorithms;
     let caustics =
         if omitted.caustics { Caustics::Path } else { caustics(scene, &folded, &casters, algorithms) };
+    let (indirect, why) = match indirect(scene, &folded, &options.algorithms) {
+        (Indirect::Photon, _) if omitted.indirect => (Indirect::Path, ASKED_FOR),
+        found => found,
+    };
     let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
     let mut plan = Plan {
         choices: choices(scene, &folded, &casters, caustics, algorithms, pixels),
@@ -85,6 +89,7 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
         left_out,
         unseen: unseen(scene, &folded, &casters, caustics),
         caustics,
+        indirect,
         light_samples: algorithms.light_samples.unwrap_or(1),
         split: algorithms.split.unwrap_or(1),
         roulette: algorithms.roulette.unwrap_or(ROULETTE_START),
@@ -98,6 +103,9 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
         for choice in plan.choices.iter_mut().filter(|c| c.about == "caustics" && c.chosen != "none") {
             (choice.chosen, choice.reason) = ("none".to_owned(), ASKED_FOR.to_owned());
         }
+    }
+    if options.algorithms.indirect == Indirect::Photon {
+        plan.choices.push(reuse(indirect, why));
     }
     plan.run_by(options.effects, omitted.effects);
     plan

@@ -3,7 +3,7 @@
 //! In: a scene and its folded materials. Out: decisions with their reasons, a pure function of scene and size.
 //! They are the same whatever kernel runs.
 
-use super::algorithm::{Algorithms, Caustics, CausticsMode};
+use super::algorithm::{Algorithms, Caustics, CausticsMode, Indirect};
 use super::casters::{casts, throws};
 use super::fold::{Folded, has_surface};
 use super::lights::{self, effect_of};
@@ -19,8 +19,8 @@ use crate::scene::{MaterialKind, Scene};
 pub const ROULETTE_START: u32 = 4;
 
 /// What decisions are about, in the order of reports.
-pub const ABOUT: [&str; 7] =
-    ["light", "light samples", "splitting", "caustics", "roulette", "replications", "pilot"];
+pub const ABOUT: [&str; 8] =
+    ["light", "light samples", "splitting", "caustics", "indirect", "roulette", "replications", "pilot"];
 
 /// The decisions for a picture of so many pixels, where the materials `casters` focus light.
 pub(super) fn choices(
@@ -102,6 +102,11 @@ fn estimator(casters: &[usize], caustics: Caustics, mode: CausticsMode, forced: 
         },
     };
     choice("caustics", chosen, reason)
+}
+
+/// Who finds indirect light, where that was asked.
+pub(super) fn reuse(indirect: Indirect, why: &str) -> Choice {
+    Choice { about: "indirect", chosen: indirect.name().to_owned(), reason: why.to_owned() }
 }
 
 fn roulette(asked: Option<u32>) -> Choice {

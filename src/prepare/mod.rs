@@ -33,10 +33,10 @@ mod texture;
 mod varying;
 
 pub use crate::bsdf::fresnel::Fresnel;
-pub use algorithm::{Algorithms, Caustics, CausticsMode, MOST_BRANCHES};
+pub use algorithm::{Algorithms, Caustics, CausticsMode, Indirect, MOST_BRANCHES};
 pub use analyse::analyse;
 pub use camera::{CameraRays, Seen};
-pub(crate) use casters::Casting;
+pub(crate) use casters::{Casting, Photons};
 pub use choices::{ABOUT, ROULETTE_START};
 pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
@@ -163,8 +163,10 @@ pub struct Prepared {
     object_materials: Vec<u32>,
     /// Where bodies have an order.
     nesting: Option<nesting::Nesting>,
-    /// Where photons start, if there are any.
-    casting: Option<Box<Casting>>,
+    /// Which lights are told apart where photons are compared with paths.
+    pub(crate) apart: lights::Apart,
+    /// Where photons start, where they can.
+    photons: Option<Box<Photons>>,
 }
 
 /// Replications of a picture of this many pixels: independent sequences whose means give the error.
@@ -210,13 +212,17 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
     let lengths = FixedPoint::around(flat.reach(camera) as f32);
     let radiance_format =
         FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));
+    let apart = lights::Apart::new(&lights, flat.radius);
     let cutouts = scene.objects.iter().any(|o| materials[o.material.0 as usize].cutout.is_some());
+    let lights = lights.into_iter().map(|g| g.emitters).collect();
     let lights = LightSet::new(lights, flat.primitives, flat.radius);
-    let casting =
-        (plan.caustics != Caustics::Path).then(|| Box::new(Casting::new(scene, &folded, &flat, &lights)));
+    let all = (flat.middle, flat.radius);
+    let casting = (flat.radius > 0.0 && algorithm::photons_can(scene, &folded))
+        .then(|| Casting::new(scene, &folded, &flat, &lights));
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
     let start = start::medium(scene, &materials, nesting.as_ref(), camera.transform.translation);
     let rays = rays(camera, options.size, &plan);
+    let photons = casting.map(|c| Box::new(Photons::new(c, &lights, all, &accel, &rays, options.size)));
     Ok(Prepared {
         #[cfg(epsilux_dummy_effect)]
         dummy: dummy::Dummy::asked().filter(|_| plan.tables.has(Effect::Dummy)),
@@ -239,7 +245,8 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
         cutouts,
         object_materials: scene.objects.iter().map(|o| o.material.0).collect(),
         nesting,
-        casting,
+        apart,
+        photons,
     })
 }
 
@@ -279,8 +286,7 @@ impl Prepared {
     }
 
     /// Turns this into what `scene`, which it was prepared from, is for a plan with other choices and a picture of
-    /// another size and seed. Tables and kernel stay, and so does where photons start: a plan may have photons only
-    /// if the first one had.
+    /// another size and seed. Tables and kernel stay.
     ///
     /// # Errors
     /// As [`prepare`].
@@ -293,6 +299,9 @@ impl Prepared {
         check_size(options.size)?;
         self.camera = rays(camera_of(scene, options)?, options.size, &plan);
         (self.size, self.seed, self.plan) = (options.size, options.seed, plan);
+        if let Some(photons) = &mut self.photons {
+            photons.aim(&self.lights, &self.accel, &self.camera, self.size);
+        }
         Ok(())
     }
 
@@ -309,10 +318,29 @@ impl Prepared {
         self.object_materials[object as usize]
     }
 
-    /// Where photons start; `None` where the plan has none.
+    /// Where photons start that find caustics; `None` where the plan has none.
     #[inline]
     #[must_use]
     pub(crate) fn casting(&self) -> Option<&Casting> {
-        self.casting.as_deref().filter(|_| self.plan.caustics != Caustics::Path)
+        self.photons.as_deref().filter(|_| self.plan.caustics != Caustics::Path).map(|p| &p.casting)
+    }
+
+    /// Where photons start that say beside the paths how much light there is; `None` where no light can be traced, or
+    /// where it would not say what the picture shows.
+    pub(crate) fn second(&self) -> Option<&Photons> {
+        self.photons().filter(|_| !self.kept.clamps())
+    }
+
+    /// Where photons start; `None` where no light can be traced.
+    #[inline]
+    #[must_use]
+    pub(crate) fn photons(&self) -> Option<&Photons> {
+        self.photons.as_deref()
+    }
+
+    /// What people call the lights that [`Doubt::LightNotFound`](crate::film::Doubt::LightNotFound) tells apart.
+    #[must_use]
+    pub fn lights_apart(&self) -> &[String] {
+        &self.apart.names
     }
 }

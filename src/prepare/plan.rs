@@ -6,7 +6,7 @@
 //! whatever kernel runs; pruning (kernels, tables) changes nothing: a test compares bytes.
 
 use super::EffectsMode;
-use super::algorithm::{Algorithms, Caustics, CausticsMode};
+use super::algorithm::{Algorithms, Caustics, CausticsMode, Indirect};
 use super::shortcuts::Shortcut;
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
@@ -274,6 +274,8 @@ pub struct Plan {
     pub replications: u32,
     /// How caustics are found.
     pub caustics: Caustics,
+    /// How indirect light is found.
+    pub indirect: Indirect,
     /// What is left out or approximated on purpose.
     pub shortcuts: Vec<Shortcut>,
     /// Samples of lights at the first vertex that spreads light, at least one.
@@ -302,6 +304,7 @@ impl Plan {
         Algorithms {
             caustics,
             unbiased,
+            indirect: self.indirect,
             light_samples: Some(self.light_samples),
             split: Some(self.split),
             roulette: Some(self.roulette),

@@ -234,6 +234,7 @@ mod tests {
             kernel: 1,
             replications: 4,
             caustics: Caustics::Path,
+            indirect: crate::prepare::Indirect::Path,
             shortcuts: Vec::new(),
             light_samples: 1,
             split: 1,
