@@ -175,7 +175,7 @@ impl Shooter {
             max_depth,
             shortcuts: Shortcuts::default(),
             transparent: false,
-            algorithms: Algorithms::default(),
+            algorithms: Algorithms::PATHS,
         };
         let prepared = prepare(&scene, &options).ok()?;
         let li = kernel(&prepared.plan).li;

@@ -98,7 +98,7 @@ impl Own<'_> {
             max_depth: scene.settings.max_depth,
             shortcuts: Shortcuts::default(),
             transparent: false,
-            algorithms: Algorithms::default(),
+            algorithms: Algorithms::PATHS,
         };
         Ok(prepare(scene, &options)?)
     }

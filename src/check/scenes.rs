@@ -45,7 +45,7 @@ fn ready(scene: &Scene, size: [u32; 2], seed: u64) -> Option<Prepared> {
         max_depth: scene.settings.max_depth,
         shortcuts: Shortcuts::of(&scene.settings),
         transparent: false,
-        algorithms: Algorithms::default(),
+        algorithms: Algorithms::PATHS,
     };
     prepare(scene, &options).ok()
 }
@@ -79,7 +79,7 @@ fn constant(_: Effort) -> Vec<Figure> {
         max_depth: None,
         shortcuts: Shortcuts::default(),
         transparent: false,
-        algorithms: Algorithms::default(),
+        algorithms: Algorithms::PATHS,
     };
     let Ok(prepared) = prepare(&scene, &options) else { return unmeasured("a sky") };
     let shoot = |crop: Option<[u32; 4]>| {

@@ -121,7 +121,7 @@ pub(super) fn prepared(mut scene: Scene, id: &str, size: [u32; 2]) -> Option<Pre
         max_depth: None,
         shortcuts: Shortcuts::default(),
         transparent: false,
-        algorithms: Algorithms::default(),
+        algorithms: Algorithms::PATHS,
     };
     prepare(&scene, &options).ok()
 }

@@ -187,7 +187,7 @@ pub(super) fn prepared(mut scene: Scene, eye: DVec3, max_depth: Option<u32>) -> 
         max_depth,
         shortcuts: Shortcuts::default(),
         transparent: false,
-        algorithms: Algorithms::default(),
+        algorithms: Algorithms::PATHS,
     };
     prepare(&scene, &options).ok()
 }

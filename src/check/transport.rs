@@ -13,6 +13,7 @@ use crate::bsdf::Transport;
 use crate::color::Rgb;
 use crate::integrate::survive;
 use crate::math::Frame;
+use crate::prepare::ROULETTE_START;
 use crate::scene::Scene;
 use crate::shape::{Ray, offset_origin};
 
@@ -140,8 +141,9 @@ fn roulette(effort: Effort) -> Vec<Figure> {
         let beta = libm::exp(random.between(-9.0, 0.0)) as f32;
         let eta_scale = [1.0, 2.25, 1.0 / 2.25][(random.bits() % 3) as usize];
         let n = 4096;
-        let scales =
-            (0..n).filter_map(|i| survive(Rgb::grey(beta), eta_scale, 9, (i as f32 + 0.5) / n as f32));
+        let scales = (0..n).filter_map(|i| {
+            survive(Rgb::grey(beta), eta_scale, 9, ROULETTE_START, (i as f32 + 0.5) / n as f32)
+        });
         let mut sum = 0.0;
         for scale in scales {
             sum += f64::from(scale);
@@ -219,7 +221,7 @@ fn row(effort: Effort) -> Vec<Figure> {
     let (mut beta, mut chance) = (1.0f32, 1.0f64);
     for depth in 1..=20 {
         beta *= 0.9;
-        let scale = survive(Rgb::grey(beta), 1.0, depth, 0.0).unwrap_or(f32::NAN);
+        let scale = survive(Rgb::grey(beta), 1.0, depth, ROULETTE_START, 0.0).unwrap_or(f32::NAN);
         (beta, chance) = (beta * scale, chance / f64::from(scale));
     }
     let survivors = shooter.as_ref().map_or(vec![f64::NAN], |s| {

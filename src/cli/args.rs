@@ -9,11 +9,12 @@ use std::time::Duration;
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::algorithm::AlgorithmArgs;
 use super::shortcuts::ShortcutArgs;
 use super::units;
 use crate::import::LightUnits;
 use crate::integrate::report::Slips;
-use crate::prepare::{Algorithms, CausticsMode, EffectsMode};
+use crate::prepare::EffectsMode;
 use crate::scene::ToneCurve;
 
 const STYLES: Styles = Styles::styled()
@@ -54,6 +55,7 @@ pub(super) enum Command {
     Convert(ConvertArgs),
     Compare(CompareArgs),
     Merge(MergeArgs),
+    Quote(super::quote::QuoteArgs),
     Check(CheckArgs),
     Cost(super::cost::CostArgs),
     Golden(super::golden::GoldenArgs),
@@ -261,13 +263,15 @@ pub(super) const MAX_SAMPLES: u32 = 1 << 24;
 
 /// Say what would be simulated, what is left out, what is not modelled, and why
 ///
-/// No picture is rendered. The same is in the files that `render` writes, as the attribute `plan`.
+/// No picture is written. From 64 samples on a pilot of at most a twentieth of their work decides what pays. The same
+/// is in the files that `render` writes with the same flags, as the attribute `plan`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   epsilux explain scenes/hexroom.toml
   epsilux explain scenes/hexroom.toml --camera far --json
-  epsilux explain scenes/hexroom.toml --without caustics --max-depth 4 --price")]
+  epsilux explain scenes/hexroom.toml --without caustics --max-depth 4 --price
+  epsilux explain scenes/hexroom.toml --price      what every shortcut would cost")]
 pub(super) struct ExplainArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -275,6 +279,22 @@ pub(super) struct ExplainArgs {
     /// Camera by name [default: the scene's first]
     #[arg(long, value_name = "NAME")]
     pub(super) camera: Option<String>,
+
+    /// Samples per pixel of the render [default: the scene's, else 64; without limit where --error is given]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    pub(super) spp: Option<u32>,
+
+    /// The error at which the render would stop (1%, 0.5%)
+    #[arg(long, value_name = "E", value_parser = units::share)]
+    pub(super) error: Option<f64>,
+
+    /// Width and height of the picture in pixels [default: as for render]
+    #[arg(long, value_name = "WxH", value_parser = units::size)]
+    pub(super) size: Option<[u32; 2]>,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) seed: u64,
 
     /// Which transport loop would run
     #[arg(long, value_enum, default_value_t, value_name = "SET")]
@@ -290,7 +310,8 @@ pub(super) struct ExplainArgs {
     #[command(flatten)]
     pub(super) shortcuts: ShortcutArgs,
 
-    /// Measure what each shortcut costs: small pictures are rendered with it and without it
+    /// Measure what each shortcut costs, or where none is asked for, what each would that makes sense for the scene:
+    /// small pictures are rendered with it and without it
     #[arg(long)]
     pub(super) price: bool,
 }
@@ -509,36 +530,6 @@ impl From<EffectsArg> for EffectsMode {
             EffectsArg::Auto => Self::Auto,
             EffectsArg::All => Self::All,
         }
-    }
-}
-
-/// Which estimators run.
-#[derive(Args, Debug)]
-pub(super) struct AlgorithmArgs {
-    /// Choose an estimator: caustics=path (light in mirrors' and glasses' light is met by chance) or
-    /// caustics=photon (photons from the lights) [default: caustics=path]
-    #[arg(long, value_name = "WHAT=HOW", value_parser = algorithm)]
-    pub(super) algorithm: Vec<CausticsMode>,
-
-    /// No estimator whose error does not vanish on average: caustics=photon then traces photons to what the
-    /// camera sees directly, and keeps no photon map
-    #[arg(long)]
-    pub(super) unbiased: bool,
-}
-
-impl AlgorithmArgs {
-    /// As meant; the last of several choices counts.
-    pub(super) fn meant(&self) -> Algorithms {
-        let caustics = self.algorithm.last().copied().unwrap_or_default();
-        Algorithms { caustics, unbiased: self.unbiased }
-    }
-}
-
-fn algorithm(text: &str) -> Result<CausticsMode, String> {
-    match text {
-        "caustics=path" => Ok(CausticsMode::Path),
-        "caustics=photon" => Ok(CausticsMode::Photon),
-        _ => Err("expected caustics=path or caustics=photon".to_owned()),
     }
 }
 

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::args::{AlgorithmArgs, ProgressArg, SceneArgs};
+use super::algorithm::AlgorithmArgs;
+use super::args::{ProgressArg, SceneArgs};
 use super::compare::unusable;
 use super::console::Console;
 use super::failure::Failure;
@@ -20,6 +21,7 @@ use crate::check;
 use crate::cost::{self, About, CostError, CostOptions, Effort, Observer};
 use crate::integrate::RunError;
 use crate::output::{check_place, write_bytes};
+use crate::pilot::{self, Asked};
 use crate::prepare::{EffectsMode, Options, Shortcuts};
 
 /// Measure what accuracy costs in a scene, and what each effect has to do with it
@@ -142,7 +144,7 @@ pub(super) fn run(args: &CostArgs, arguments: &[OsString], console: &Console) ->
     }
     let camera = render::camera(&loaded.scene, args.camera.as_deref())?;
     let size = render::picture_size(&loaded.scene, camera, args.size);
-    let options = CostOptions {
+    let mut options = CostOptions {
         name: args.scene.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         prepare: Options {
             camera: Some(camera.name.clone()),
@@ -159,6 +161,11 @@ pub(super) fn run(args: &CostArgs, arguments: &[OsString], console: &Console) ->
         effort: args.spp.map_or(Effort::Time(args.budget), Effort::Samples),
         threads: args.threads,
     };
+    // Measured is what a render without limit would do.
+    let asked = Asked { threads: args.threads, ..Asked::default() };
+    let plan = pilot::plan(&loaded.scene, &options.prepare, &asked)
+        .map_err(|e| Failure::load(format!("{}: {e}", args.scene.scene.display())))?;
+    options.prepare.algorithms = plan.algorithms();
     let watch = Watch {
         display: Display::new(args.progress, args.quiet, console),
         stop: Stop::listen(),

@@ -8,10 +8,11 @@ use super::console::Console;
 use super::failure::Failure;
 use super::notes::{self, NoteJson};
 use super::schema::{to_json, to_json_line};
-use super::shortcuts::{PricedJson, prices};
+use super::shortcuts::{self, PricedJson};
 use super::{Code, load, render};
 use crate::integrate::Quiet;
-use crate::prepare::{self, Options, Plan, Shortcuts};
+use crate::pilot::{self, Asked};
+use crate::prepare::{Options, Plan, Shortcuts, shortcuts_of};
 use crate::report::{Explanation, PlanFacts};
 
 #[derive(Serialize)]
@@ -32,8 +33,8 @@ pub(super) fn run(args: &ExplainArgs, console: &Console) -> Result<Code, Failure
     let camera = render::camera(&loaded.scene, args.camera.as_deref())?;
     let mut options = Options {
         camera: args.camera.clone(),
-        size: render::picture_size(&loaded.scene, camera, None),
-        seed: 0,
+        size: render::picture_size(&loaded.scene, camera, args.size),
+        seed: args.seed,
         effects: args.effects.into(),
         max_depth: loaded.scene.settings.max_depth,
         shortcuts: Shortcuts::of(&loaded.scene.settings),
@@ -41,8 +42,17 @@ pub(super) fn run(args: &ExplainArgs, console: &Console) -> Result<Code, Failure
         algorithms: args.algorithms.meant(),
     };
     args.shortcuts.take(&mut options);
-    let plan = prepare::plan(&loaded.scene, &options).map_err(|e| Failure::usage(e.to_string()))?;
-    let prices = if args.price { prices(&loaded.scene, &options, 0, &Quiet)? } else { None };
+    let usual = args.error.is_none().then(|| render::default_samples(&loaded.scene));
+    let asked = Asked { samples: args.spp.or(usual), error: args.error, threads: 0 };
+    let plan = pilot::plan(&loaded.scene, &options, &asked).map_err(|e| Failure::usage(e.to_string()))?;
+    let prices = match (args.price, plan.shortcuts.is_empty()) {
+        (false, _) => None,
+        (true, false) => shortcuts::prices(&loaded.scene, &options, 0, &Quiet)?,
+        (true, true) => {
+            let sets: Vec<_> = shortcuts_of(&loaded.scene, &plan).into_iter().map(|s| vec![s]).collect();
+            shortcuts::prices_of(&loaded.scene, &options, &sets, 0, &Quiet)?
+        }
+    };
     let prices = prices.unwrap_or_default();
     if args.json {
         let explained = ExplainJson {

@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::doubt::DoubtJson;
+use super::forecast::Quoted;
 use super::notes::NoteJson;
 use super::shortcuts::PricedJson;
 use crate::film::ErrorEstimate;
@@ -30,6 +32,8 @@ pub(super) struct Report<'a> {
     pub(super) passes: [u32; 2],
     pub(super) partial: bool,
     pub(super) error: Option<ErrorJson>,
+    /// What was foreseen of the render while it ran, where an error was asked for.
+    pub(super) quoted: Option<Quoted>,
     pub(super) stopped_by_signal: bool,
     pub(super) seconds: Seconds,
     pub(super) threads: usize,
@@ -48,16 +52,36 @@ pub(super) struct Report<'a> {
 }
 
 /// The estimated error of the picture.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Serialize)]
 pub(super) struct ErrorJson {
     error: f64,
     interval: [f64; 2],
     trusted: bool,
+    /// How many pixels carry it.
+    pixels: f64,
+    tail: Option<TailJson>,
+    /// Why it cannot be trusted.
+    doubt: Option<DoubtJson>,
 }
 
-impl From<ErrorEstimate> for ErrorJson {
-    fn from(e: ErrorEstimate) -> Self {
-        Self { error: e.error, interval: e.interval, trusted: e.trusted }
+/// Few samples that carry much of the light: shares of both.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct TailJson {
+    samples: f64,
+    light: f64,
+}
+
+impl ErrorJson {
+    /// Of a picture whose lights are told apart by these names.
+    pub(super) fn new(e: &ErrorEstimate, lights: &[String]) -> Self {
+        Self {
+            error: e.error,
+            interval: e.interval,
+            trusted: e.trusted,
+            pixels: e.effective_pixels,
+            tail: e.tail.map(|t| TailJson { samples: t.samples, light: t.light }),
+            doubt: e.doubt.as_ref().map(|d| DoubtJson::new(d, lights)),
+        }
     }
 }
 

@@ -28,7 +28,11 @@ pub(super) fn run(args: &MergeArgs, console: &Console) -> Result<Code, Failure> 
         console.message(&format!("note: passes {}..{} are missing", gap.start, gap.end));
     }
     let mut image = whole.film.to_image();
-    let stated = Stated::of(&whole.film, whole.passes.clone(), false);
+    // As `render` names them.
+    let lights = whole.identity.0.iter().find(|(name, _)| name == "lights");
+    let lights: Vec<String> =
+        lights.and_then(|(_, json)| serde_json::from_str(json).ok()).unwrap_or_default();
+    let stated = Stated::of(&whole.film, whole.passes.clone(), false, &lights);
     image.attributes = stated.attributes(&whole.identity);
     let (curve, exposure) = &whole.screen;
     let tone = Tone {

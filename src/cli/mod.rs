@@ -4,6 +4,8 @@
 //! code (`Code`). `args` holds flags as typed; each subcommand turns them into options as meant in
 //! one step and calls the library, which sees only options. Nothing else in the crate prints.
 
+mod adopt;
+mod algorithm;
 mod args;
 mod check;
 mod compare;
@@ -11,8 +13,10 @@ mod console;
 mod convert;
 mod cost;
 mod demo;
+mod doubt;
 mod explain;
 mod failure;
+mod forecast;
 mod golden;
 mod info;
 mod load;
@@ -21,7 +25,9 @@ mod merge;
 mod notes;
 mod parts;
 mod progress;
+mod quote;
 mod render;
+mod rendered;
 mod saver;
 mod schema;
 mod shortcuts;
@@ -88,6 +94,7 @@ fn dispatch(command: Command, arguments: &[OsString], console: &Console) -> Resu
         Command::Convert(args) => convert::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),
         Command::Merge(args) => merge::run(&args, console),
+        Command::Quote(args) => quote::run(&args, console),
         Command::Check(args) => check::run(&args, console),
         Command::Cost(args) => cost::run(&args, arguments, console),
         Command::Golden(args) => golden::run(&args, console),

@@ -44,6 +44,11 @@ impl Checkpoint {
         Self { path: path.to_owned(), former: former.into() }
     }
 
+    /// Where it is kept.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// What was saved, where there is anything.
     pub(super) fn read(&self) -> Result<Option<Found>, Failure> {
         // Between the two renames of a write only the former generation has a name.

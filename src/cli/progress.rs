@@ -1,14 +1,18 @@
 //! How far a render is, on standard error.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use super::args::ProgressArg;
 use super::console::Console;
-use super::units::show_time;
-use crate::integrate::{Control, Progress};
-
+use super::forecast::Forecaster;
+use super::machine::ErrorJson;
 use super::signal::Stop;
+use super::units::{show_range, show_time};
+use crate::film::Squares;
+use crate::integrate::{Control, Progress};
 
 /// Shows progress in the way that was asked for.
 pub(super) enum Display<'a> {
@@ -26,7 +30,14 @@ struct Line {
     samples: u64,
     seconds: f64,
     seconds_left: Option<f64>,
+    /// With 95 %, where an error was asked for and its estimate is trusted.
+    seconds_left_interval: Option<[f64; 2]>,
+    rays: u64,
     mrays_per_second: f64,
+    /// The last estimate of the error, where one was asked for, and the passes that it is of.
+    error: Option<ErrorJson>,
+    error_passes: Option<u32>,
+    error_target: Option<f64>,
 }
 
 /// One line of `--progress json` of what is more than one render.
@@ -56,15 +67,22 @@ impl<'a> Display<'a> {
         }
     }
 
-    fn show(&self, p: &Progress) {
+    /// `range` are the seconds left, from and to, where they are foreseen.
+    fn show(&self, p: &Progress, range: Option<[f64; 2]>) {
         let share = p.share();
         let seconds = p.elapsed.as_secs_f64();
-        let left = (share > 0.0).then(|| seconds * (1.0 - share) / share);
+        // Before the error is looked at for the first time nobody knows what it takes.
+        let known = p.time.is_some() || p.error_target.is_none() || p.error.is_some();
+        let left = (share > 0.0 && known).then(|| seconds * (1.0 - share) / share);
         let mrays_per_second = p.rays as f64 / seconds.max(1e-9) / 1e6;
         match self {
             Self::Nothing => {}
             Self::Bar(bar) => {
-                let left = left.map_or(String::new(), |left| format!("{} left, ", show_time(left)));
+                let left = match (range.filter(|_| p.time.is_none()), left) {
+                    (Some(range), _) => format!("{} left, ", show_range(range)),
+                    (None, Some(left)) => format!("{} left, ", show_time(left)),
+                    (None, None) => String::new(),
+                };
                 bar.set_message(format!("{left}{mrays_per_second:.2} Mrays/s, {} samples", p.passes));
                 bar.set_position((share * STEPS as f64) as u64);
             }
@@ -76,7 +94,12 @@ impl<'a> Display<'a> {
                     samples: p.samples,
                     seconds,
                     seconds_left: left,
+                    seconds_left_interval: range,
+                    rays: p.rays,
                     mrays_per_second,
+                    error: p.error.map(|(e, _)| ErrorJson::new(&e, &[])),
+                    error_passes: p.error.map(|(_, passes)| passes),
+                    error_target: p.error_target,
                 };
                 if let Ok(line) = serde_json::to_string(&line) {
                     console.message(&line);
@@ -123,11 +146,23 @@ impl<'a> Display<'a> {
 pub(super) struct Watch<'a> {
     pub(super) display: Display<'a>,
     pub(super) stop: Stop,
+    /// What the render foresees, where it asks for an error.
+    pub(super) forecaster: Option<Forecaster>,
+    /// Passes that the film held before.
+    pub(super) before: AtomicU32,
 }
 
 impl Control for Watch<'_> {
     fn progress(&self, progress: &Progress) {
-        self.display.show(progress);
+        let before = self.before.load(Ordering::Relaxed);
+        let range = self.forecaster.as_ref().and_then(|f| f.left(progress, before));
+        self.display.show(progress, range);
+    }
+
+    fn looked(&self, passes: u32, squares: &Squares) {
+        if let Some(forecaster) = &self.forecaster {
+            forecaster.looked(passes, squares);
+        }
     }
 
     fn cancelled(&self) -> bool {

@@ -2,32 +2,34 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Code;
+use super::adopt::adopt;
 use super::args::{Aov, MAX_SAMPLES, Method, ProgressArg, RenderArgs, SlipArg};
 use super::compare::unusable;
 use super::console::Console;
-use super::explain::{self, Record};
 use super::failure::Failure;
+use super::forecast::Forecaster;
 use super::load::{self, Loaded};
-use super::machine::{ErrorJson, Machine, RefusedJson, Report, Seconds, command_line, report_path};
+use super::machine::Seconds;
 use super::notes;
+use super::parts::Checkpoint;
 use super::progress::{Display, Watch};
+use super::rendered::Rendered;
 use super::saver::{Saved, Saver};
-use super::schema::{to_json, to_json_line};
-use super::shortcuts::{self, PricedJson};
+use super::shortcuts;
 use super::signal::Stop;
 use super::stated::Stated;
-use super::units::{show_share, show_time};
-use crate::film::{Film, Image, Refusal};
+use crate::film::{Film, Image};
 use crate::integrate::naive::{ReferenceError, ReferenceOptions, reference};
 use crate::integrate::report::{ReportError, ReportOptions, Shortcuts, Slips, Tracer, rays_per_pixel};
-use crate::integrate::{self, BadSample, Control, Counters, Outcome, Progress, RenderError, RenderOptions};
+use crate::integrate::{self, Control, Progress, RenderError, RenderOptions};
 use crate::output::{self, Format, Tone, WriteOptions};
-use crate::part::Identity;
-use crate::prepare::{self, EffectsMode, Plan, PrepareError, Prepared};
-use crate::price::Priced;
+use crate::part::Part;
+use crate::pilot::{self, Asked};
+use crate::prepare::{self, Algorithms, EffectsMode, PrepareError, Prepared};
 use crate::report::Explanation;
 use crate::scene::{Camera, Note, NoteEffect, Scene, sha256};
 
@@ -120,65 +122,37 @@ pub(super) fn picture_size(scene: &Scene, camera: &Camera, asked: Option<[u32; 2
     asked.or(scene.settings.size).unwrap_or_else(from_aspect)
 }
 
+/// Samples per pixel where none are asked for: as the scene says, else 64.
+pub(super) fn default_samples(scene: &Scene) -> u32 {
+    scene.settings.spp.unwrap_or(64).clamp(1, MAX_SAMPLES)
+}
+
 /// A render as meant.
 pub(super) struct Job {
-    scene_name: String,
+    pub(super) scene_name: String,
     pub(super) outputs: Vec<PathBuf>,
-    prepare: prepare::Options,
-    camera: String,
+    pub(super) prepare: prepare::Options,
+    pub(super) camera: String,
     /// Samples per pixel, at most.
     pub(super) passes: u32,
+    /// Samples per pixel as a pilot has to know them: none for parts, and where something else ends the render.
+    pub(super) samples: Option<u32>,
     /// The first pass.
-    first: u32,
-    error: Option<f64>,
-    checkpoint: Option<PathBuf>,
-    checkpoint_every: Duration,
-    time: Option<Duration>,
-    threads: usize,
-    crop: Option<[u32; 4]>,
-    aovs: Vec<Aov>,
-    tone: Tone,
-    method: Method,
-    slips: Slips,
-    progress: ProgressArg,
-    strict: bool,
-    quiet: bool,
-    verbose: bool,
-}
-
-/// What a method made.
-struct Rendered {
-    image: Image,
-    stated: Stated,
-    plan: Plan,
-    /// What its shortcuts cost.
-    prices: Vec<Priced>,
-    /// Passes that this run added.
-    added: u32,
-    /// Whether the error that was asked for is reached.
-    reached: bool,
-    threads: usize,
-    counters: Option<Counters>,
-    refused: u64,
-    bad: Vec<BadSample>,
-}
-
-impl Rendered {
-    /// From a render whose film held the passes from `first` on before.
-    fn new(outcome: Outcome, first: u32, plan: Plan, prices: Vec<Priced>) -> Self {
-        Self {
-            image: outcome.film.to_image(),
-            stated: Stated::of_outcome(&outcome, first),
-            plan,
-            prices,
-            added: outcome.passes.end - outcome.passes.start,
-            reached: outcome.reached,
-            threads: outcome.threads,
-            counters: Some(outcome.counters),
-            refused: outcome.film.refused_total(),
-            bad: outcome.bad,
-        }
-    }
+    pub(super) first: u32,
+    pub(super) error: Option<f64>,
+    pub(super) checkpoint: Option<PathBuf>,
+    pub(super) checkpoint_every: Duration,
+    pub(super) time: Option<Duration>,
+    pub(super) threads: usize,
+    pub(super) crop: Option<[u32; 4]>,
+    pub(super) aovs: Vec<Aov>,
+    pub(super) tone: Tone,
+    pub(super) method: Method,
+    pub(super) slips: Slips,
+    pub(super) progress: ProgressArg,
+    pub(super) strict: bool,
+    pub(super) quiet: bool,
+    pub(super) verbose: bool,
 }
 
 impl Job {
@@ -196,10 +170,11 @@ impl Job {
                 max_depth: hints.max_depth,
                 shortcuts: prepare::Shortcuts::of(hints),
                 transparent: false,
-                algorithms: prepare::Algorithms::default(),
+                algorithms: Algorithms::default(),
             },
             camera: camera.name.clone(),
-            passes: hints.spp.unwrap_or(64).clamp(1, MAX_SAMPLES),
+            passes: default_samples(scene),
+            samples: Some(default_samples(scene)),
             first: 0,
             error: None,
             checkpoint: None,
@@ -234,6 +209,8 @@ impl Job {
             (None, true) => MAX_SAMPLES,
             (None, false) => job.passes,
         };
+        let unlimited = args.spp.is_none() && (args.time.is_some() || args.error.is_some());
+        job.samples = Some(job.passes).filter(|_| args.passes.is_none() && !unlimited);
         if let Some(passes) = &args.passes {
             (job.first, job.passes) = (passes.start, passes.end);
         }
@@ -247,6 +224,9 @@ impl Job {
         job.tone.curve = args.tone.map_or(job.tone.curve, Into::into);
         job.tone.exposure = args.exposure.unwrap_or(job.tone.exposure);
         job.method = args.method;
+        if job.method != Method::Default {
+            job.prepare.algorithms = Algorithms::PATHS;
+        }
         job.slips = args.as_printed.as_deref().map_or(Slips::NONE, SlipArg::slips);
         if job.method == Method::Report {
             job.passes = rays_per_pixel(job.passes);
@@ -272,7 +252,12 @@ impl Job {
         if !self.quiet {
             notes::show(&notes, self.verbose, console);
         }
-        let watch = Watch { display: Display::new(self.progress, self.quiet, console), stop: Stop::listen() };
+        let watch = Watch {
+            display: Display::new(self.progress, self.quiet, console),
+            stop: Stop::listen(),
+            forecaster: self.error.map(Forecaster::new),
+            before: AtomicU32::new(0),
+        };
         if self.method != Method::Default && scene.settings.indirect_gain.is_some_and(|gain| gain != 1.0) {
             let message = format!("--method {} does not amplify indirect light", self.method_name());
             let (place, effect) = ("render.indirect_gain".to_owned(), NoteEffect::Differs);
@@ -300,8 +285,10 @@ impl Job {
         };
         let render = rendering.elapsed().as_secs_f64() - prepare;
         watch.display.clear();
-        rendered.image.attributes =
-            rendered.stated.attributes(&self.identity(&rendered.plan, &hash, &rendered.prices)?);
+        rendered.quoted = watch.forecaster.as_ref().and_then(Forecaster::quoted);
+        let lights = &rendered.stated.lights;
+        let identity = self.identity(&rendered.plan, lights, &hash, &rendered.prices)?;
+        rendered.image.attributes = rendered.stated.attributes(&identity);
         keep_layers(&mut rendered.image, &self.aovs);
         let writing = Instant::now();
         for path in &self.outputs {
@@ -324,8 +311,20 @@ impl Job {
         Ok(stopped.unwrap_or(if short { Code::Short } else { Code::Done }))
     }
 
-    fn prepared(&self, scene: &Scene) -> Result<Prepared, Failure> {
-        prepare::prepare(scene, &self.prepare).map_err(|e| match e {
+    /// The scene, prepared by the plan of what was saved of this render, or by one that is made for it.
+    fn prepared(&self, scene: &Scene, saved: Option<&Part>) -> Result<Prepared, Failure> {
+        let prepared = match saved {
+            Some(part) => {
+                let mut options = self.prepare.clone();
+                let plan = adopt(scene, &mut options, &part.identity);
+                plan.and_then(|plan| prepare::prepare_planned(scene, &options, plan))
+            }
+            None => {
+                let asked = Asked { samples: self.samples, error: self.error, threads: self.threads };
+                pilot::prepare(scene, &self.prepare, &asked)
+            }
+        };
+        prepared.map_err(|e| match e {
             PrepareError::NoCamera => Failure::load(format!("{}: {e}", self.scene_name)),
             _ => Failure::usage(e.to_string()),
         })
@@ -333,7 +332,7 @@ impl Job {
 
     /// Traces one sample alone.
     fn replay(&self, scene: &Scene, [x, y, pass]: [u32; 3], console: &Console) -> Result<Code, Failure> {
-        let prepared = self.prepared(scene)?;
+        let prepared = self.prepared(scene, None)?;
         let [width, height] = prepared.size;
         if x >= width || y >= height || pass >= MAX_SAMPLES {
             let most = MAX_SAMPLES - 1;
@@ -358,7 +357,9 @@ impl Job {
         console: &Console,
     ) -> Result<Option<(Rendered, f64)>, Failure> {
         let begin = Instant::now();
-        let prepared = self.prepared(scene)?;
+        let checkpoint = self.checkpoint.as_deref().map(Checkpoint::new);
+        let found = checkpoint.as_ref().map_or(Ok(None), Checkpoint::read)?;
+        let prepared = self.prepared(scene, found.as_ref().map(|f| &f.part))?;
         let Some(prices) = shortcuts::prices(scene, &self.prepare, self.threads, watch)? else {
             return Ok(None);
         };
@@ -381,19 +382,22 @@ impl Job {
             error: self.error,
             threads: self.threads,
             crop: self.crop,
+            every: 1,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
             layer_noise: false,
         };
-        let identity = self.identity(&prepared.plan, hash, &prices)?;
+        let identity = self.identity(&prepared.plan, prepared.lights_apart(), hash, &prices)?;
         let screen = (self.tone.curve.name().to_owned(), self.tone.exposure);
         let mut film = Film::new(integrate::layout(&prepared, &options));
         let mut saver = None;
-        if let Some(path) = &self.checkpoint {
+        if let Some(checkpoint) = checkpoint {
+            let every = self.checkpoint_every;
             let (opened, saved) =
-                Saver::open(path, &identity, screen, &options.passes, self.checkpoint_every, console)?;
+                Saver::open(checkpoint, found, &identity, screen, &options.passes, every, console)?;
             if let Some(part) = saved {
                 options.passes.start = part.passes.last().map_or(self.first, |r| r.end);
+                watch.before.store(options.passes.start, Ordering::Relaxed);
                 film = part.film;
             }
             saver = Some(opened);
@@ -407,7 +411,8 @@ impl Job {
         if let Some(saver) = &saver {
             saver.finish(&outcome)?;
         }
-        Ok(Some((Rendered::new(outcome, self.first, prepared.plan.clone(), prices), seconds)))
+        let (plan, lights) = (prepared.plan.clone(), prepared.lights_apart());
+        Ok(Some((Rendered::new(outcome, self.first, plan, lights, prices), seconds)))
     }
 
     /// The report's method; what it renders otherwise is added to the notes.
@@ -447,7 +452,7 @@ impl Job {
         notes.extend(tracer.notes().iter().cloned());
         let outcome = tracer.render(&options, watch).map_err(failure)?;
         let plan = prepare::analyse(scene, &scene.cameras[camera], &self.prepare);
-        Ok(Rendered::new(outcome, 0, plan, Vec::new()))
+        Ok(Rendered::new(outcome, 0, plan, &[], Vec::new()))
     }
 
     fn camera_index(&self, scene: &Scene) -> usize {
@@ -490,7 +495,11 @@ impl Job {
         let partial = image.count.as_ref().is_some_and(|c| c.contains(&0));
         Ok(Rendered {
             image,
-            stated: Stated { passes: std::iter::once(0..self.passes).collect(), partial, error: None },
+            stated: Stated {
+                passes: std::iter::once(0..self.passes).collect(),
+                partial,
+                ..Stated::default()
+            },
             plan: prepare::analyse(scene, &scene.cameras[index], &self.prepare),
             prices: Vec::new(),
             added: self.passes,
@@ -499,163 +508,8 @@ impl Job {
             counters: None,
             refused: 0,
             bad: Vec::new(),
+            quoted: None,
         })
-    }
-
-    /// What the picture is of: all that samples depend on. The kernel is not among it, since it never changes the
-    /// picture.
-    fn identity(&self, plan: &Plan, hash: &str, prices: &[Priced]) -> Result<Identity, Failure> {
-        let effects = plan.needs.iter().map(|n| n.effect.name()).collect::<Vec<_>>().join(", ");
-        let mut list = vec![
-            ("software", software()),
-            ("scene_sha256", hash.to_owned()),
-            ("camera", self.camera.clone()),
-            ("method", self.method_name().to_owned()),
-            ("seed", self.prepare.seed.to_string()),
-            ("max_depth", self.prepare.max_depth.map_or("none".to_owned(), |d| d.to_string())),
-            ("effects", effects),
-        ];
-        if self.method == Method::Default {
-            list.push(("caustics", plan.caustics.name().to_owned()));
-        }
-        if self.method != Method::Reference {
-            list.push(("replications", plan.replications.to_string()));
-        }
-        if self.method == Method::Report && self.slips != Slips::NONE {
-            list.push(("slips", self.slips.names().join(", ")));
-        }
-        if !prices.is_empty() {
-            let prices: Vec<_> = prices.iter().map(PricedJson::of_picture).collect();
-            list.push(("shortcuts", to_json_line(&prices)?));
-        }
-        if self.method == Method::Default {
-            let Record { json, sha256 } = explain::record(plan)?;
-            list.extend([("plan", json), ("plan_sha256", sha256)]);
-        }
-        Ok(Identity(list.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()))
-    }
-
-    fn method_name(&self) -> &'static str {
-        match self.method {
-            Method::Default => "default",
-            Method::Reference => "reference",
-            Method::Report => "report",
-        }
-    }
-
-    fn report<'a>(
-        &'a self,
-        rendered: &'a Rendered,
-        hash: &'a str,
-        seconds: Seconds,
-        stopped_by_signal: bool,
-        notes: &'a [Note],
-        arguments: &[OsString],
-    ) -> Result<Report<'a>, Failure> {
-        let rays = rendered.counters.map(|c| c.rays);
-        let refused =
-            |b: &BadSample| RefusedJson { pixel: b.pixel, pass: b.pass, reason: reason(b.reason).into() };
-        Ok(Report {
-            schema: "epsilux.report/1",
-            software: software(),
-            command: command_line(arguments),
-            scene: &self.scene_name,
-            scene_sha256: hash,
-            outputs: self.outputs.iter().map(|p| p.display().to_string()).collect(),
-            method: self.method_name(),
-            camera: &self.camera,
-            size: self.prepare.size,
-            seed: self.prepare.seed,
-            passes: rendered.stated.passes.first().map_or([0, 0], |r| [r.start, r.end]),
-            partial: rendered.stated.partial,
-            error: rendered.stated.error.map(ErrorJson::from),
-            stopped_by_signal,
-            seconds,
-            threads: rendered.threads,
-            rays,
-            rays_per_second: rays.map(|r| r as f64 / seconds.render.max(1e-9)),
-            samples_refused: rendered.refused,
-            refused: rendered.bad.iter().map(refused).collect(),
-            paths_cut: rendered.counters.map_or(0, |c| c.capped),
-            shortcuts: rendered.prices.iter().map(PricedJson::of_run).collect(),
-            plan: (&rendered.plan).into(),
-            plan_sha256: explain::record(&rendered.plan)?.sha256,
-            notes: notes::json(notes),
-            machine: Machine::this(),
-        })
-    }
-
-    /// One report for each name: `a.png` and `a.exr` share theirs.
-    fn write_report(&self, report: &Report<'_>) -> Result<(), Failure> {
-        let text = to_json(report)? + "\n";
-        let mut paths: Vec<_> = self.outputs.iter().map(|p| report_path(p)).collect();
-        paths.sort();
-        paths.dedup();
-        paths.iter().try_for_each(|path| {
-            output::write_bytes(path, text.as_bytes())
-                .map_err(|e| Failure::write(format!("{}: cannot write: {e}", path.display())))
-        })
-    }
-
-    fn summarise(&self, rendered: &Rendered, seconds: Seconds, stopped: Option<Code>, console: &Console) {
-        let samples = rendered.added;
-        let all: u32 = rendered.stated.passes.iter().map(|r| r.end - r.start).sum();
-        let mut line = format!("{} per pixel in {}", many(samples, "sample"), show_time(seconds.render));
-        if let Some(c) = rendered.counters {
-            let mrays = c.rays as f64 / seconds.render.max(1e-9) / 1e6;
-            line += &format!(", {mrays:.2} Mrays/s on {}", many(rendered.threads as u64, "thread"));
-        }
-        console.message(&line);
-        if all != samples {
-            console.message(&format!("{} per pixel with those of the checkpoint", many(all, "sample")));
-        }
-        if let Some(mut line) = rendered.stated.error_line() {
-            if let Some(target) = self.error.filter(|_| !rendered.reached) {
-                line += &format!("; {} was asked for", show_share(target));
-            }
-            console.message(&line);
-        }
-        if rendered.stated.partial {
-            console.message("note: not one sample of every pixel is done; the picture is partial");
-        } else if self.first + all != self.passes {
-            console.message(&format!("--spp {all} repeats this picture"));
-        }
-        if stopped.is_some() {
-            console.message("stopped by a signal; what was done is saved");
-        }
-        if let Some(bad) = rendered.bad.first() {
-            let [x, y] = bad.pixel;
-            let why = reason(bad.reason);
-            let n = many(rendered.refused, "sample");
-            console.message(&format!(
-                "note: {n} refused, the first at pixel {x},{y} in pass {pass}: {why}; --replay {x},{y},{pass} traces \
-                 it alone",
-                pass = bad.pass
-            ));
-        }
-        if let Some(cut) = rendered.counters.map(|c| c.capped).filter(|&n| n > 0) {
-            console.message(&format!("note: {} cut by the safety cap on length", many(cut, "path")));
-        }
-    }
-}
-
-/// A number of things.
-fn many(n: impl Into<u64>, thing: &str) -> String {
-    match n.into() {
-        1 => format!("1 {thing}"),
-        n => format!("{n} {thing}s"),
-    }
-}
-
-fn software() -> String {
-    format!("epsilux {}", env!("CARGO_PKG_VERSION"))
-}
-
-fn reason(refusal: Refusal) -> &'static str {
-    match refusal {
-        Refusal::NotANumber => "not a number",
-        Refusal::Overflow => "infinite, or too large",
-        Refusal::Negative => "negative",
     }
 }
 

@@ -1,7 +1,6 @@
 //! Saving a render while it runs.
 
 use std::ops::Range;
-use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -10,7 +9,7 @@ use super::failure::Failure;
 use super::parts::{Checkpoint, Found};
 use super::progress::Watch;
 use super::units::show_passes;
-use crate::film::Film;
+use crate::film::{Film, Squares};
 use crate::integrate::{Control, Counters, Outcome, Progress};
 use crate::part::{Identity, Part};
 
@@ -28,20 +27,19 @@ pub(super) struct Saver<'a> {
 }
 
 impl<'a> Saver<'a> {
-    /// The file, and what it holds of the render; `passes` are those that are asked for, and `interval` is the time
-    /// between two checkpoints.
+    /// The file, and what was `found` in it of the render; `passes` are those that are asked for, and `interval` is the
+    /// time between two checkpoints.
     pub(super) fn open(
-        path: &Path,
+        checkpoint: Checkpoint,
+        found: Option<Found>,
         identity: &Identity,
         screen: (String, f32),
         passes: &Range<u32>,
         interval: Duration,
         console: &'a Console,
     ) -> Result<(Self, Option<Part>), Failure> {
-        let checkpoint = Checkpoint::new(path);
-        let found = checkpoint.read()?;
         let usage = |message: String| {
-            Failure::usage(format!("--checkpoint {}: {message}", path.display()))
+            Failure::usage(format!("--checkpoint {}: {message}", checkpoint.path().display()))
                 .help("remove the file to begin anew, or name another one")
         };
         let mut before = Counters::default();
@@ -96,6 +94,10 @@ pub(super) struct Saved<'a> {
 impl Control for Saved<'_> {
     fn progress(&self, progress: &Progress) {
         self.watch.progress(progress);
+    }
+
+    fn looked(&self, passes: u32, squares: &Squares) {
+        self.watch.looked(passes, squares);
     }
 
     fn committed(&self, film: &Film, passes: Range<u32>, counters: Counters) {

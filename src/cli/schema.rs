@@ -12,12 +12,12 @@ pub(super) fn run(args: &SchemaArgs, console: &Console) -> Result<Code, Failure>
     Ok(Code::Done)
 }
 
+/// JSON on one line, for attributes.
+pub(super) fn to_json_line(value: &(impl serde::Serialize + ?Sized)) -> Result<String, Failure> {
+    serde_json::to_string(value).map_err(|e| Failure::write(format!("cannot write JSON: {e}")))
+}
+
 /// JSON for a result.
 pub(super) fn to_json(value: &impl serde::Serialize) -> Result<String, Failure> {
     serde_json::to_string_pretty(value).map_err(|e| Failure::write(format!("cannot write JSON: {e}")))
-}
-
-/// JSON in one line, for an attribute.
-pub(super) fn to_json_line(value: &impl serde::Serialize) -> Result<String, Failure> {
-    serde_json::to_string(value).map_err(|e| Failure::write(format!("cannot write JSON: {e}")))
 }

@@ -2,10 +2,14 @@
 
 use std::ops::Range;
 
+use super::doubt::words;
 use super::units::{show_passes, show_share};
-use crate::film::{ErrorEstimate, Film};
+use crate::film::{Doubt, ErrorEstimate, Film};
 use crate::integrate::Outcome;
 use crate::part::Identity;
+
+/// Share of the light from which on it is said that few samples carry it.
+const TELLING: f64 = 0.02;
 
 /// What a picture is of, and how good it is, beside its identity.
 #[derive(Clone, Debug, Default)]
@@ -16,18 +20,20 @@ pub(super) struct Stated {
     pub(super) partial: bool,
     /// The error, where it can be estimated.
     pub(super) error: Option<ErrorEstimate>,
+    /// Names of the lights that are told apart where light was not found.
+    pub(super) lights: Vec<String>,
 }
 
 impl Stated {
     /// Of a film with these passes.
-    pub(super) fn of(film: &Film, passes: Vec<Range<u32>>, partial: bool) -> Self {
-        Self { passes, partial, error: film.error().filter(|_| !partial) }
+    pub(super) fn of(film: &Film, passes: Vec<Range<u32>>, partial: bool, lights: &[String]) -> Self {
+        Self { passes, partial, error: film.error().filter(|_| !partial), lights: lights.to_vec() }
     }
 
     /// Of a render whose film held the passes from `first` on before.
-    pub(super) fn of_outcome(outcome: &Outcome, first: u32) -> Self {
+    pub(super) fn of_outcome(outcome: &Outcome, first: u32, lights: &[String]) -> Self {
         let passes = std::iter::once(first..outcome.passes.end).collect();
-        Self::of(&outcome.film, passes, outcome.partial)
+        Self::of(&outcome.film, passes, outcome.partial, lights)
     }
 
     /// The attributes of an image file.
@@ -42,21 +48,46 @@ impl Stated {
             add("error", format!("{:.3e}", e.error));
             add("error_interval", format!("{:.3e}..{:.3e}", e.interval[0], e.interval[1]));
             add("error_trusted", e.trusted.to_string());
+            if let Some(doubt) = &e.doubt {
+                add("error_doubt", words(doubt, &self.lights));
+            }
+            if let Some(tail) = e.tail {
+                add(
+                    "error_tail",
+                    format!("{:.3e} of the samples, {:.3e} of the light", tail.samples, tail.light),
+                );
+            }
         }
         list
     }
 
-    /// A line about the error, and how sure it is; `None` where nothing can be said of it.
+    /// [`error_line`] of its error.
     pub(super) fn error_line(&self) -> Option<String> {
-        let found = self.error?;
-        let [low, high] = found.interval.map(show_share);
-        Some(if found.trusted {
-            format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error))
-        } else if found.error > ErrorEstimate::NOISIEST {
-            format!("error above {}: too noisy to say", show_share(ErrorEstimate::NOISIEST))
-        } else {
-            let carry = found.effective_pixels;
-            format!("error {}, not trustworthy yet: {carry:.0} pixels carry it", show_share(found.error))
-        })
+        self.error.as_ref().map(|found| error_line(found, &self.lights))
+    }
+}
+
+/// A line about an error, and how sure it is; `lights` are the names of the lights that are told apart.
+pub(super) fn error_line(found: &ErrorEstimate, lights: &[String]) -> String {
+    let [low, high] = found.interval.map(show_share);
+    // What few samples carry is the reason where it is much.
+    let tail = found.tail.filter(|t| t.light >= TELLING).map(|t| {
+        format!("{} of the samples carry {:.0} % of the light", show_share(t.samples), 100.0 * t.light)
+    });
+    let noisy = found.error > ErrorEstimate::NOISIEST;
+    let error = if noisy {
+        format!("error above {}", show_share(ErrorEstimate::NOISIEST))
+    } else {
+        format!("error {}", show_share(found.error))
+    };
+    match (&found.doubt, tail) {
+        (None, _) => format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error)),
+        // What is missing says more than that something may be.
+        (Some(doubt @ Doubt::LightNotFound { .. }), _) => {
+            format!("{error}, not trustworthy yet: {}", words(doubt, lights))
+        }
+        (_, Some(tail)) => format!("{error}, not trustworthy yet: {tail}"),
+        (Some(doubt @ Doubt::TooNoisy), None) => format!("{error}: {}", words(doubt, lights)),
+        (Some(doubt), None) => format!("{error}, not trustworthy yet: {}", words(doubt, lights)),
     }
 }

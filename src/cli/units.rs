@@ -96,6 +96,16 @@ pub(super) fn show_time(seconds: f64) -> String {
     }
 }
 
+/// Two times for people, from the first to the second.
+pub(super) fn show_range([from, to]: [f64; 2]) -> String {
+    let (from, to) = (show_time(from), show_time(to));
+    // One unit is enough where both have the same.
+    match (from.strip_suffix(" s"), to.strip_suffix(" s")) {
+        (Some(short), Some(_)) if !from.contains("min") && !to.contains("min") => format!("{short} to {to}"),
+        _ => format!("{from} to {to}"),
+    }
+}
+
 /// Digits alone: no sign, no space.
 fn number(text: &str) -> Option<u32> {
     text.bytes().all(|b| b.is_ascii_digit()).then(|| text.parse().ok()).flatten()

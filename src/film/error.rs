@@ -24,7 +24,8 @@
 //! sample of a half lit seem dark, and their error enormous. The estimate is then too large, never too small by
 //! that, and is not trusted. Below, what the second order leaves is granted to the interval.
 
-use super::Film;
+use super::doubt::Shown;
+use super::{Doubt, Film, Tail};
 
 /// What the squares of the pixels' estimates are taken times; between what normal noise and heavy tails ask for.
 const SPREAD: f64 = 1.75;
@@ -32,8 +33,6 @@ const SPREAD: f64 = 1.75;
 const Z: f64 = 1.959_963_984_540_054;
 /// Share of the mean luminance that is added to what errors are divided by: c above.
 pub(super) const FLOOR: f64 = 0.1;
-/// Below as many pixels that carry the error, the sum over them is not normal enough for its interval.
-const FEWEST: f64 = 60.0;
 /// What the delta method leaves of the relative bias of E^2, times E^2: at most, in simulations of uniform,
 /// exponential and rare samples up to [`ErrorEstimate::NOISIEST`].
 const LEFT: f64 = 1.5;
@@ -49,70 +48,147 @@ pub struct ErrorEstimate {
     pub interval: [f64; 2],
     /// How many pixels carry the error, effectively: (sum t)^2 / sum t^2.
     pub effective_pixels: f64,
-    /// Whether the interval can be trusted.
+    /// Whether the interval can be trusted: there is no doubt.
     pub trusted: bool,
+    /// Why not.
+    pub doubt: Option<Doubt>,
+    /// The few samples that carry much of the light, where the interval cannot be trusted and there are such.
+    pub tail: Option<Tail>,
 }
 
 impl ErrorEstimate {
     /// Above this error the halves are too noisy to say what they converge to: no estimate is trusted.
     pub const NOISIEST: f64 = 0.25;
+    /// Where fewer pixels carry the error, the sum over them is not normal enough for its interval.
+    pub const FEWEST_PIXELS: f64 = 60.0;
 }
 
-impl Film {
-    /// The error of the picture that the film holds; `None` where no estimate is possible: fewer than two
-    /// replications with samples in some pixel, or nothing but black.
+/// What each pixel adds to the square of the error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Squares {
+    /// Estimates of v / (R^2 + c^2) of each pixel that has samples, row by row; noise may make single ones negative.
+    pub of_pixels: Vec<f32>,
+}
+
+impl Squares {
+    /// The error, and how sure it is; the tail is left out.
     #[must_use]
-    pub fn error(&self) -> Option<ErrorEstimate> {
-        let k = self.layout.replications as usize;
-        let means = self.replication_means();
-        let total: f64 = means.iter().map(|m| pooled(m).0).sum();
-        let c = FLOOR * total / self.pixels() as f64;
-        if c <= 0.0 || means.len() != self.pixels() || k < 2 {
-            return None;
-        }
+    pub fn estimate(&self) -> ErrorEstimate {
+        let n = self.of_pixels.len().max(1) as f64;
         let (mut sum, mut squares) = (0.0, 0.0);
-        for m in &means {
-            let t = relative_variance(m, c);
+        for &t in &self.of_pixels {
+            let t = f64::from(t);
             sum += t;
             squares += t * t;
         }
-        // Noise may make single pixels negative, and all of them only where there is hardly any error.
-        let mean = (sum / self.pixels() as f64).max(0.0);
+        // Noise makes the sum negative only where there is hardly any error.
+        let mean = (sum / n).max(0.0);
         let sampling = if sum > 0.0 { SPREAD * squares / (sum * sum) } else { 0.0 };
         let relative = (sampling + (LEFT * mean) * (LEFT * mean)).sqrt();
         let error = mean.sqrt();
         // Errors are positive, and their square spreads by a factor: hence the logarithm, halved by the root.
         let factor = libm::exp(0.5 * Z * relative);
-        let effective_pixels = if squares > 0.0 { sum * sum / squares } else { self.pixels() as f64 };
-        Some(ErrorEstimate {
+        let effective_pixels = if squares > 0.0 { sum * sum / squares } else { n };
+        let doubt = if error > ErrorEstimate::NOISIEST {
+            Some(Doubt::TooNoisy)
+        } else {
+            let few = effective_pixels < ErrorEstimate::FEWEST_PIXELS;
+            few.then_some(Doubt::FewPixels { carry: effective_pixels })
+        };
+        ErrorEstimate {
             error,
             interval: [error / factor, error * factor],
             effective_pixels,
-            trusted: effective_pixels >= FEWEST && error <= ErrorEstimate::NOISIEST,
-        })
+            trusted: doubt.is_none(),
+            doubt,
+            tail: None,
+        }
+    }
+}
+
+impl Film {
+    /// The error of the picture that the film holds; `None` where no estimate is possible: fewer than two
+    /// replications with samples in some pixel that has any, or nothing but black.
+    #[must_use]
+    pub fn error(&self) -> Option<ErrorEstimate> {
+        Some(self.error_of(&self.error_squares()?))
     }
 
-    /// For each pixel, luminance and count of each of its replications that has samples; pixels with fewer than
-    /// two such are left out.
-    fn replication_means(&self) -> Vec<Vec<(f64, f64)>> {
+    /// The same from squares of this film.
+    #[must_use]
+    pub fn error_of(&self, squares: &Squares) -> ErrorEstimate {
+        let mut found = squares.estimate();
+        // What is missing says more than that something may be.
+        found.doubt = self.light_not_found(found.error).or(found.doubt);
+        found.trusted = found.doubt.is_none();
+        if !found.trusted {
+            found.tail = self.tail();
+        }
+        found
+    }
+
+    /// What each pixel shows; nothing where one has fewer than two replications.
+    pub(super) fn shown(&self) -> Vec<Shown> {
         let k = self.layout.replications as usize;
         let format = self.layout.radiance;
-        let of_cell = |(sums, &n): (&[i128; 3], &u32)| {
-            let luminance: f64 = sums.iter().zip(LUMINANCE).map(|(&s, w)| w * format.mean(s, n)).sum();
-            (n > 0).then_some((luminance, f64::from(n)))
+        let of_pixel = |(sums, counts): (&[[i128; 3]], &[u32])| {
+            let own = sums.iter().zip(counts).filter(|(_, n)| **n > 0);
+            let means: Vec<_> =
+                own.map(|(s, &n)| (luminance(s.map(|s| format.mean(s, n))), f64::from(n))).collect();
+            (means.len() >= 2).then(|| Shown { luminance: pooled(&means).0, variance: variance(&means) })
         };
         let pixels = self.sums.chunks(k).zip(self.counts.chunks(k));
-        pixels
-            .map(|(sums, counts)| sums.iter().zip(counts).filter_map(of_cell).collect::<Vec<_>>())
-            .filter(|m| m.len() >= 2)
-            .collect()
+        pixels.map(of_pixel).collect::<Option<Vec<_>>>().unwrap_or_default()
     }
+
+    /// What each pixel adds to the square of the error; `None` as for [`Self::error`].
+    #[must_use]
+    pub fn error_squares(&self) -> Option<Squares> {
+        let k = self.layout.replications as usize;
+        let format = self.layout.radiance;
+        // The means of the replications of all pixels, and where those of each begin.
+        let (mut means, mut ends) =
+            (Vec::with_capacity(self.counts.len()), Vec::with_capacity(self.pixels()));
+        for (sums, counts) in self.sums.chunks(k).zip(self.counts.chunks(k)) {
+            let before = means.len();
+            for (sums, &n) in sums.iter().zip(counts).filter(|(_, n)| **n > 0) {
+                means.push((luminance(sums.map(|s| format.about_mean(s, n))), f64::from(n)));
+            }
+            match means.len() - before {
+                0 => {}
+                1 => return None,
+                _ => ends.push(means.len()),
+            }
+        }
+        let pixels = || {
+            let begins = std::iter::once(0).chain(ends.iter().copied());
+            begins.zip(&ends).map(|(begin, &end)| &means[begin..end])
+        };
+        let total: f64 = pixels().map(|m| pooled(m).0).sum();
+        if total <= 0.0 {
+            return None;
+        }
+        let c = FLOOR * total / ends.len() as f64;
+        Some(Squares { of_pixels: pixels().map(|m| relative_variance(m, c) as f32).collect() })
+    }
+}
+
+/// Of linear Rec. 709.
+pub(super) fn luminance(c: [f64; 3]) -> f64 {
+    c.iter().zip(LUMINANCE).map(|(c, w)| w * c).sum()
 }
 
 /// Mean and count of some replications together.
 fn pooled(means: &[(f64, f64)]) -> (f64, f64) {
     let n: f64 = means.iter().map(|m| m.1).sum();
     (means.iter().map(|m| m.0 * m.1).sum::<f64>() / n, n)
+}
+
+/// Variance of the mean of some replications together.
+fn variance(means: &[(f64, f64)]) -> f64 {
+    let (mean, n) = pooled(means);
+    let sum: f64 = means.iter().map(|m| m.1 * (m.0 - mean) * (m.0 - mean)).sum();
+    sum / ((means.len() - 1) as f64 * n)
 }
 
 /// Variance of one sample, from the difference of two means.
@@ -126,10 +202,11 @@ fn relative_variance(means: &[(f64, f64)], c: f64) -> f64 {
     let inverse = |x: f64| 1.0 / (x * x + c * c);
     let &[m0, m1, m2, m3] = means else {
         // Two or three replications cannot be halved; sum and difference of normal numbers are independent.
-        let ways = means.len() - 1;
-        let sum: f64 = means.iter().map(|m| m.1 * (m.0 - mean) * (m.0 - mean)).sum();
-        return sum / (ways as f64 * n) * inverse(mean);
+        return variance(means) * inverse(mean);
     };
+    if m0.1 == m1.1 && m1.1 == m2.1 && m2.1 == m3.1 {
+        return of_equal([m0.0, m1.0, m2.0, m3.0], c);
+    }
     let mut sum = 0.0;
     for [a, b, x, y] in [[m0, m1, m2, m3], [m0, m2, m1, m3], [m0, m3, m1, m2]] {
         for ([a, b], [x, y]) in [([a, b], [x, y]), ([x, y], [a, b])] {
@@ -140,6 +217,21 @@ fn relative_variance(means: &[(f64, f64)], c: f64) -> f64 {
         }
     }
     sum / 6.0
+}
+
+/// [`relative_variance`] of four means of equally many samples, where most of the divisions cancel.
+fn of_equal([m0, m1, m2, m3]: [f64; 4], c: f64) -> f64 {
+    let half = |ab: f64, xy: f64, r: f64| {
+        let f = 1.0 / (r * r + c * c);
+        let curvature = (6.0 * r * r - 2.0 * c * c) * f * f * f;
+        ab * (f - 0.125 * curvature * xy)
+    };
+    let mut sum = 0.0;
+    for [a, b, x, y] in [[m0, m1, m2, m3], [m0, m2, m1, m3], [m0, m3, m1, m2]] {
+        let (ab, xy) = ((a - b) * (a - b), (x - y) * (x - y));
+        sum += half(ab, xy, 0.5 * (x + y)) + half(xy, ab, 0.5 * (a + b));
+    }
+    sum / 48.0
 }
 
 #[cfg(test)]
@@ -209,6 +301,19 @@ mod tests {
         check(1, 16, &|n| 2.0 * n.unit());
         check(2, 64, &|n| n.exponential());
         check(3, 256, &|n| if n.unit() < 0.3 { n.exponential() / 0.3 } else { 0.0 });
+    }
+
+    /// Guards the short formula by the long one, which takes any counts.
+    #[test]
+    fn equal_counts_are_no_other_case() {
+        let mut random = Numbers(5);
+        for _ in 0..100 {
+            let m: [f64; 4] = std::array::from_fn(|_| random.exponential());
+            let counts = [8.0, 8.0, 8.0, 8.0 * (1.0 + 1e-12)];
+            let long: Vec<(f64, f64)> = m.into_iter().zip(counts).collect();
+            let (long, short) = (relative_variance(&long, 0.2), of_equal(m, 0.2));
+            assert!((long / short - 1.0).abs() < 1e-9, "{long} {short}");
+        }
     }
 
     /// Guards that a picture whose error sits in a few pixels is not trusted.

@@ -6,6 +6,8 @@
 //!
 //! Memory: three `i128` and one `u32` for each pixel and replication, about 200 bytes a pixel.
 
+mod cross;
+mod doubt;
 mod error;
 mod fixed;
 mod image;
@@ -13,11 +15,15 @@ mod layers;
 mod shares;
 mod state;
 mod sums;
+mod tail;
 
-pub use error::ErrorEstimate;
+pub use cross::{CELL, Found, Glimpse, LIGHT_CLASSES, LIGHTS_APART, light_class};
+pub use doubt::{CrossCell, Doubt, TwoWays};
+pub use error::{ErrorEstimate, Squares};
 pub use fixed::FixedPoint;
 pub use image::{Image, Layer};
 pub use layers::LightLayer;
 pub use shares::LayerShare;
 pub use state::StateError;
 pub use sums::{Features, Film, FilmLayout, Refusal, Sample};
+pub use tail::Tail;

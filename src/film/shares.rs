@@ -35,7 +35,8 @@ impl Film {
             let means = sums.iter().zip(counts).filter(|&(_, &n)| n > 0);
             means.map(|(s, &n)| (f64::from(n), s.map(|v| format.mean(v, n)))).collect::<Vec<_>>()
         });
-        let pixels: Vec<_> = pixels.collect();
+        // Of a sparse render, those that are there.
+        let pixels: Vec<_> = pixels.filter(|means| !means.is_empty()).collect();
         let pooled = |means: &[(f64, [f64; LAYERS])]| {
             let n: f64 = means.iter().map(|m| m.0).sum();
             let sum = |l: usize| means.iter().map(|m| m.0 * m.1[l]).sum::<f64>();

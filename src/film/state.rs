@@ -1,9 +1,11 @@
 //! A film as bytes, and back, exactly.
 //!
 //! In: a film. Out: its sums as integers of the fewest bytes that hold the largest, little-endian, after one
-//! byte that says how many. What the bytes mean is in the layout, which whoever stores them keeps too.
+//! byte that says how many; then counts and the like in integers of their own. What the bytes mean is in the layout, which whoever stores them keeps too.
 
+use super::cross::{LIGHT_CLASSES, Level};
 use super::sums::{FEATURES, Film, FilmLayout, LAYERS};
+use super::tail::Octaves;
 
 /// Why bytes are not those of a film with a layout.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -25,6 +27,8 @@ pub enum StateError {
 const COUNT: usize = 4;
 const IDS: usize = 12;
 const REFUSED: usize = 24;
+/// Bytes of the number of photons.
+const TRACED: usize = 8;
 
 impl Film {
     /// Everything that the film holds but its layout.
@@ -34,6 +38,10 @@ impl Film {
         sums.extend(self.features.iter().map(|f| f.sums.as_flattened()));
         sums.extend(self.layers.iter().map(|l| l.sums.as_flattened().as_flattened()));
         sums.extend(self.layer_cells.iter().map(|l| l.as_flattened()));
+        if let Some(cross) = &self.cross {
+            sums.push(cross.paths.as_flattened());
+            sums.push(cross.photons.as_flattened().as_flattened());
+        }
         let width = sums.iter().flat_map(|s| s.iter()).fold(1, |w, &v| bytes_of(v).max(w));
         let mut bytes = vec![width as u8];
         for sum in sums.into_iter().flatten() {
@@ -45,7 +53,9 @@ impl Film {
             [*pass, ids[0], ids[1]].into_iter().for_each(&mut put);
         }
         self.layers.iter().flat_map(|l| &l.brightest).for_each(|v| put(v.to_bits()));
-        for n in self.refused {
+        self.cross.iter().flat_map(|c| &c.tiles).for_each(|&n| put(n));
+        bytes.extend(self.octaves.to_bytes());
+        for n in self.cross.iter().map(|c| c.traced).chain(self.refused) {
             bytes.extend_from_slice(&n.to_le_bytes());
         }
         bytes
@@ -66,8 +76,10 @@ impl Film {
         let features = usize::from(layout.features);
         let layers = usize::from(layout.layers);
         let of_pixel = COUNT + features * (FEATURES * width + IDS) + layers * (3 * LAYERS * width + COUNT);
+        let of_cross = if layout.cross { cross_bytes(&layout, width) } else { 0 };
         let of_cell = (3 + usize::from(layout.layer_noise) * LAYERS) * width + COUNT;
-        let expected = 1 + cells * of_cell as u128 + pixels * of_pixel as u128 + REFUSED as u128;
+        let rest = (Octaves::BYTES + REFUSED) as u128;
+        let expected = 1 + cells * of_cell as u128 + pixels * of_pixel as u128 + of_cross + rest;
         if expected != bytes.len() as u128 {
             return Err(StateError::Length { found: bytes.len(), expected });
         }
@@ -84,13 +96,31 @@ impl Film {
         film.features.iter_mut().flat_map(|f| &mut f.sums).flatten().for_each(|s| *s = sum());
         film.layers.iter_mut().flat_map(|l| &mut l.sums).flatten().flatten().for_each(|s| *s = sum());
         film.layer_cells.iter_mut().flatten().flatten().for_each(|s| *s = sum());
+        if let Some(cross) = &mut film.cross {
+            cross.paths.as_flattened_mut().iter_mut().for_each(|s| *s = sum());
+            cross.photons.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|s| *s = sum());
+        }
         let mut number = || u32::from_le_bytes(take(4).try_into().unwrap_or_default());
         film.counts.iter_mut().chain(&mut film.hits).for_each(|n| *n = number());
         film.features.iter_mut().flat_map(|f| &mut f.ids).for_each(|i| *i = (number(), [number(), number()]));
         film.layers.iter_mut().flat_map(|l| &mut l.brightest).for_each(|v| *v = f32::from_bits(number()));
-        film.refused.iter_mut().for_each(|n| *n = u64::from_le_bytes(take(8).try_into().unwrap_or_default()));
+        film.cross.iter_mut().flat_map(|c| &mut c.tiles).for_each(|n| *n = number());
+        film.octaves = Octaves::from_bytes(take(Octaves::BYTES));
+        let traced = film.cross.iter_mut().map(|c| &mut c.traced);
+        traced
+            .chain(&mut film.refused)
+            .for_each(|n| *n = u64::from_le_bytes(take(8).try_into().unwrap_or_default()));
         Ok(film)
     }
+}
+
+/// Bytes of what photons say beside the paths.
+fn cross_bytes(layout: &FilmLayout, width: usize) -> u128 {
+    let levels = Level::all([layout.crop[2], layout.crop[3]]);
+    let cells = |l: &Level| l.cells.map(u128::from).iter().product::<u128>();
+    let (fine, all) = (levels.first().map_or(0, cells), levels.iter().map(cells).sum::<u128>());
+    let sums = (fine + 2 * all) * (LIGHT_CLASSES * width) as u128;
+    sums + fine * COUNT as u128 + TRACED as u128
 }
 
 /// Bytes that hold an integer with its sign.
@@ -111,7 +141,7 @@ fn signed(bytes: &[u8]) -> i128 {
 mod tests {
     use super::*;
     use crate::color::Rgb;
-    use crate::film::{Features, Sample};
+    use crate::film::{Features, Glimpse, Sample};
 
     /// Guards integers at the ends of each length.
     #[test]
@@ -131,9 +161,12 @@ mod tests {
     #[test]
     fn films_come_back() {
         for [features, layers] in [[false, false], [true, false], [false, true], [true, true]] {
-            let layer_noise = features != layers;
-            let layout = FilmLayout { features, layers, layer_noise, ..FilmLayout::plain([3, 2]) };
+            let (layer_noise, cross) = (features != layers, layers);
+            let layout = FilmLayout { features, layers, layer_noise, cross, ..FilmLayout::plain([3, 2]) };
             let mut film = Film::new(layout.clone());
+            film.found(0, &[0.0, 0.5, 1.0, 2.0, 0.0, 0.0, 0.0, 1e4]);
+            let glimpse = |photon, pixel| Glimpse { photon, pixel, class: 5, luminance: 3.0 };
+            film.glimpses(7, &[glimpse(0, 2), glimpse(3, 0), glimpse(3, 5)]);
             for pass in 0..9 {
                 for pixel in 0..6 {
                     let radiance = Rgb::new(0.1, 1e4 * pixel as f32, 1e-9) * (1.0 + pass as f32);
@@ -147,7 +180,7 @@ mod tests {
             }
             let bytes = film.to_bytes();
             assert_eq!(Film::from_bytes(layout.clone(), &bytes), Ok(film));
-            for cut in 0..bytes.len() {
+            for cut in (0..bytes.len()).filter(|c| *c < 200 || c % 97 == 0 || *c + 200 > bytes.len()) {
                 Film::from_bytes(layout.clone(), &bytes[..cut]).expect_err("cut");
             }
             let other = FilmLayout { crop: [0, 0, u32::MAX, u32::MAX], ..layout };

@@ -1,5 +1,7 @@
 //! Exact sums per pixel and replication.
 
+use super::cross::{CrossSums, Found, Glimpse, Level};
+use super::tail::Octaves;
 use super::{FixedPoint, Image, Layer, LightLayer};
 use crate::color::Rgb;
 use crate::mutants::planted;
@@ -25,6 +27,8 @@ pub struct FilmLayout {
     pub layer_noise: bool,
     /// Whether the background counts as transparent.
     pub transparent: bool,
+    /// Whether photons say beside the paths how much light there is.
+    pub cross: bool,
 }
 
 impl FilmLayout {
@@ -41,6 +45,7 @@ impl FilmLayout {
             layers: false,
             layer_noise: false,
             transparent: false,
+            cross: false,
         }
     }
 }
@@ -116,6 +121,9 @@ pub struct Film {
     pub(super) layers: Option<LayerSums>,
     /// Luminance of the parts of the light, per cell, where their noise is asked for.
     pub(super) layer_cells: Option<Vec<[i128; LAYERS]>>,
+    pub(super) cross: Option<CrossSums>,
+    /// Samples of the whole film by octave of luminance.
+    pub(super) octaves: Octaves,
     pub(super) refused: [u64; 3],
 }
 
@@ -137,6 +145,8 @@ impl Film {
                 .layers
                 .then(|| LayerSums { sums: vec![[[0; 3]; LAYERS]; pixels], brightest: vec![0.0; pixels] }),
             layer_cells: layout.layer_noise.then(|| vec![[0; LAYERS]; cells]),
+            cross: layout.cross.then(|| CrossSums::new([layout.crop[2], layout.crop[3]])),
+            octaves: Octaves::new(),
             refused: [0; 3],
             layout,
         }
@@ -169,6 +179,7 @@ impl Film {
         let cell = self.accumulate(pixel, pass, c)?;
         let format = self.layout.radiance;
         self.counts[cell] += 1;
+        self.octaves.add(sample.radiance.luminance(), 1, format);
         if let Some(sums) = &mut self.layers {
             for (sum, part) in sums.sums[pixel].iter_mut().zip(sample.layers.unwrap_or_default()) {
                 for (sum, v) in sum.iter_mut().zip(part.to_array()) {
@@ -205,8 +216,8 @@ impl Film {
         Ok(())
     }
 
-    /// Adds to the sample of `pass` at `pixel` what light of one layer brought there by another way; it does
-    /// not count as a sample.
+    /// Adds to the sample of `pass` at `pixel` what light of one layer, and of one class
+    /// ([`light_class`](super::light_class)), brought there by another way; it does not count as a sample.
     ///
     /// # Errors
     /// As for [`Self::add`].
@@ -216,10 +227,12 @@ impl Film {
         pass: u32,
         radiance: Rgb,
         layer: LightLayer,
+        class: usize,
     ) -> Result<(), Refusal> {
         let c = radiance.to_array();
         let cell = self.accumulate(pixel, pass, c)?;
         let format = self.layout.radiance;
+        self.octaves.add(radiance.luminance(), 0, format);
         if let Some(sums) = &mut self.layers {
             for (sum, v) in sums.sums[pixel][layer as usize].iter_mut().zip(c) {
                 *sum += format.encode(v);
@@ -228,7 +241,31 @@ impl Film {
         if let Some(cells) = &mut self.layer_cells {
             cells[cell][layer as usize] += format.encode(radiance.luminance());
         }
+        let [.., width, height] = self.layout.crop;
+        if let Some(cross) = &mut self.cross {
+            let (x, y) = (pixel as u32 % width, pixel as u32 / width);
+            let cell = Level::fine([width, height]).cell(x, y);
+            cross.supplied(cell, class, radiance.luminance(), format);
+        }
         Ok(())
+    }
+
+    /// Adds what the paths of a tile found in a pass of the light that photons find too. Tiles are squares of
+    /// [`CELL`](super::CELL) pixels, counted row by row from the top left of the crop.
+    pub fn found(&mut self, tile: usize, found: &Found) {
+        let format = self.layout.radiance;
+        if let Some(cross) = &mut self.cross {
+            cross.found(tile, found, format);
+        }
+    }
+
+    /// Adds photons that say how much light there is: `traced` of them, of which the camera saw `seen`, those of
+    /// one photon after each other.
+    pub fn glimpses(&mut self, traced: u32, seen: &[Glimpse]) {
+        let (format, [.., width, height]) = (self.layout.radiance, self.layout.crop);
+        if let Some(cross) = &mut self.cross {
+            cross.photons(traced, seen, [width, height], format);
+        }
     }
 
     /// Adds to a sum, whose index it gives; or refuses what is no radiance, and counts that.
@@ -284,6 +321,9 @@ impl Film {
                 }
             }
         }
+        if let (Some(own), Some(other)) = (&mut self.cross, &other.cross) {
+            own.merge(other);
+        }
         if let (Some(own), Some(other)) = (&mut self.layers, &other.layers) {
             for (sums, other) in own.sums.iter_mut().zip(&other.sums) {
                 add(sums, other);
@@ -295,6 +335,7 @@ impl Film {
         if let (Some(own), Some(other)) = (&mut self.layer_cells, &other.layer_cells) {
             add(own, other);
         }
+        self.octaves.merge(&other.octaves);
         for (n, other) in self.refused.iter_mut().zip(other.refused) {
             *n += other;
         }

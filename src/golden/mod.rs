@@ -29,7 +29,7 @@ pub use page::{About, page};
 pub use record::{Forecast, PILOTS, RecordError, Step, Watch, record};
 pub use reference::{Found, Reference, ReferenceError, SCHEMA, Stage};
 pub use run::{Role, Run, Subject, seed};
-pub use suite::{Accept, Entry, Settings, Suite, SuiteError, Truth};
+pub use suite::{Accept, CausticsBy, Entry, Settings, Suite, SuiteError, Truth};
 pub use verdict::{Check, CurvePoint, Power, Reason, Verdict, Verification, notices};
 pub use verify::{VerifyOptions, verify, verify_picture};
 

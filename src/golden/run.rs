@@ -118,7 +118,7 @@ impl Subject {
             max_depth: self.settings.max_depth,
             shortcuts: prepare::Shortcuts::of(&self.scene.settings),
             transparent: false,
-            algorithms: prepare::Algorithms::default(),
+            algorithms: self.settings.caustics.algorithms(),
         }
     }
 }

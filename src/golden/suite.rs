@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::prepare::{Algorithms, CausticsMode};
+
 /// The version of the form that is read and written.
 const VERSION: u32 = 1;
 /// Samples a pixel are a multiple of this, so that eighths of them fill the replications evenly.
@@ -43,6 +45,9 @@ pub struct Entry {
     /// Cap on scattering events; that of the scene where absent.
     #[serde(default)]
     pub max_depth: Option<u32>,
+    /// How caustics are found; no pilot chooses it.
+    #[serde(default)]
+    pub caustics: CausticsBy,
     /// Folder of the recorded files, relative to `golden.toml`; the scene's name where absent.
     #[serde(default)]
     pub reference: Option<String>,
@@ -100,6 +105,35 @@ pub struct Settings {
     pub spp: u32,
     /// Cap on scattering events.
     pub max_depth: Option<u32>,
+    /// How caustics are found.
+    #[serde(default, skip_serializing_if = "CausticsBy::is_path")]
+    pub caustics: CausticsBy,
+}
+
+/// How the caustics of a golden scene are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CausticsBy {
+    /// By paths.
+    #[default]
+    Path,
+    /// By photons, with a map.
+    Photon,
+}
+
+impl CausticsBy {
+    fn is_path(&self) -> bool {
+        *self == Self::Path
+    }
+
+    /// The same for [`prepare`](crate::prepare).
+    pub(super) fn algorithms(self) -> Algorithms {
+        let caustics = match self {
+            Self::Path => CausticsMode::Path,
+            Self::Photon => CausticsMode::Photon,
+        };
+        Algorithms { caustics, ..Algorithms::PATHS }
+    }
 }
 
 /// Why a `golden.toml` cannot be used.
@@ -230,6 +264,7 @@ mod tests {
             [[scene]]
             name = "ball"
             file = "b.glb"
+            caustics = "photon"
             truth = { reference = { spp = 64 } }
             "#,
         )
@@ -238,6 +273,8 @@ mod tests {
         assert_eq!((&suite.scenes[0].truth, suite.scenes[0].accepted()), (&Truth::Render, 0.0));
         assert_eq!(suite.scenes[1].accepted(), 0.01);
         assert_eq!(suite.scenes[2].truth, Truth::Reference { spp: 64 });
+        let caustics: Vec<_> = suite.scenes.iter().map(|s| s.caustics).collect();
+        assert_eq!(caustics, [CausticsBy::Path, CausticsBy::Path, CausticsBy::Photon]);
     }
 
     /// Guards the messages: the place, what was found, what was expected.

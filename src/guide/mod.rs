@@ -39,6 +39,8 @@ pub mod numbers {}
 #[doc = include_str!("long-renders.md")]
 pub mod long_renders {}
 
+#[doc = include_str!("accuracy.md")]
+pub mod accuracy {}
 #[doc = include_str!("cost.md")]
 pub mod cost {}
 
@@ -63,6 +65,7 @@ mod tests {
         ("shortcuts.md", include_str!("shortcuts.md")),
         ("numbers.md", include_str!("numbers.md")),
         ("long-renders.md", include_str!("long-renders.md")),
+        ("accuracy.md", include_str!("accuracy.md")),
         ("cost.md", include_str!("cost.md")),
         ("report.md", include_str!("report.md")),
         ("README.md", include_str!("../../README.md")),

@@ -2,12 +2,13 @@
 
 use glam::Vec3;
 
-use super::li::{Counters, FAR_CAP, interior};
+use super::li::interior;
+use super::path::{Counters, FAR_CAP};
 use super::scatter;
 use crate::accel::{PrimitiveId, RayKind};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
-use crate::light::LightContext;
+use crate::light::{LightContext, LightId};
 use crate::mutants::planted;
 use crate::prepare::{Detail, Effect, Medium, Prepared};
 use crate::shape::{Ray, offset_origin};
@@ -28,7 +29,7 @@ pub(crate) fn mis_weight(own: f32, other: f32) -> f32 {
     }
 }
 
-/// Radiance scattered from one sampled light, unweighted by the throughput; `media` are those on the side
+/// Radiance scattered from one of `samples` sampled lights, unweighted by the throughput, and which light it is; `media` are those on the side
 /// of the surface that is seen, and on the other.
 #[inline(always)]
 pub(super) fn direct_light<const FX: u32>(
@@ -38,14 +39,13 @@ pub(super) fn direct_light<const FX: u32>(
     context: &LightContext,
     media: [Medium; 2],
     u: [f32; 4],
+    samples: f32,
     counters: &mut Counters,
-) -> Rgb {
+) -> Option<(Rgb, LightId)> {
     let fx = scene.simulated::<FX>();
-    let Some(light) = scene.lights.sample(context, [u[0], u[1], u[2]]) else { return Rgb::BLACK };
-    let Some((f, pdf)) = scatter::f_and_pdf(fx, bsdf, frame, light.wi, Transport::Radiance) else {
-        return Rgb::BLACK;
-    };
-    let weight = if light.delta { 1.0 } else { mis_weight(light.pdf, pdf) };
+    let light = scene.lights.sample(context, [u[0], u[1], u[2]])?;
+    let (f, pdf) = scatter::f_and_pdf(fx, bsdf, frame, light.wi, Transport::Radiance)?;
+    let weight = if light.delta { 1.0 } else { mis_weight(samples * light.pdf, pdf) };
     let cos = planted!(cosine_dropped(light.wi.dot(frame.ns()).abs()));
     let mut ld = f * light.weight * (cos * weight);
     if (fx.has(Effect::Textures) || fx.has(Effect::Cutouts) || fx.has(Effect::Glossy))
@@ -55,23 +55,23 @@ pub(super) fn direct_light<const FX: u32>(
         ld *= emitted_share(scene, light.target, ray.at(ray.t_max), light.cos);
     }
     if ld.is_black() {
-        return Rgb::BLACK;
+        return None;
     }
     let between = [context.from, light.target];
     let medium = media[usize::from(context.crosses(light.wi))];
     counters.rays += 1;
     if (fx.has(Effect::Cutouts) && scene.has_cutouts()) || (fx.has(Effect::Nesting) && scene.has_nesting()) {
-        return ld * passed(scene, light.shadow_ray, between, medium, counters);
+        return Some((ld * passed(scene, light.shadow_ray, between, medium, counters), light.light));
     }
     if scene.accel.occluded(&light.shadow_ray, between) {
-        return Rgb::BLACK;
+        return None;
     }
     if fx.has(Effect::Absorption)
         && let Some(medium) = medium.absorbs
     {
         ld *= interior(scene, medium, light.shadow_ray.t_max);
     }
-    ld
+    Some((ld, light.light))
 }
 
 /// The factor on light that leaves the point `p` of the surface `id` at a cosine: the texel of its emission

@@ -16,13 +16,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use super::li::Counters;
-use super::photon::{Photon, PhotonMap, Splat, Tracer};
-use super::render::{BadSample, Control, Outcome, Progress, RenderError, RenderOptions};
-use crate::film::{ErrorEstimate, Film, LightLayer, Refusal, Sample};
+use super::path::Counters;
+use super::photon::{Maps, Photon, Radius, Second, Seen, Splat, Tracer};
+use super::render::{BadSample, Busy, Control, Outcome, Progress, RenderError, RenderOptions};
+use crate::film::{CELL, ErrorEstimate, Film, Found, LightLayer, Refusal, Sample};
+use crate::math::mix64;
 
-/// Side of a tile, pixels.
-const TILE: u32 = 16;
+/// Side of a tile, pixels: light is compared by tiles.
+const TILE: u32 = CELL;
 /// Refused samples that are reported one by one.
 const REPORTED: usize = 8;
 
@@ -30,21 +31,35 @@ const REPORTED: usize = 8;
 pub(super) trait Source: Sync {
     /// The sample of `pass` at a pixel of the whole picture, with the photons of the pass where there are
     /// any: a function of these two and nothing else.
-    fn sample(&self, pixel: [u32; 2], pass: u32, map: Option<&PhotonMap>, counters: &mut Counters) -> Sample;
+    fn sample(&self, pixel: [u32; 2], pass: u32, maps: Option<&Maps>, counters: &mut Counters) -> Sample;
 
     /// What traces photons, if anything does.
     fn tracer(&self) -> Option<&Tracer<'_>> {
         None
     }
+
+    /// What says beside the paths how much light there is, if anything does.
+    fn second(&self) -> Option<&Second<'_>> {
+        None
+    }
+}
+
+/// What is done of a tile of a pass.
+struct Tile {
+    index: usize,
+    samples: Vec<Sample>,
+    /// What its paths found, and photons that are traced beside.
+    found: Found,
+    seen: Seen,
 }
 
 /// What is done of one pass.
 #[derive(Default)]
 struct Pending {
-    tiles: Vec<(usize, Vec<Sample>)>,
+    tiles: Vec<Tile>,
     /// Parts of the photons that are traced.
     chunks: u32,
-    photons: Vec<(u32, Vec<Photon>)>,
+    photons: Vec<(u32, LightLayer, Vec<Photon>)>,
     splats: Vec<Splat>,
 }
 
@@ -80,7 +95,10 @@ struct Job<'a> {
     options: &'a RenderOptions,
     control: &'a dyn Control,
     crop: [u32; 4],
+    /// Of the whole picture.
+    width: u32,
     tiles: [u32; 2],
+    busy: Clocks,
     begin: Instant,
     next: AtomicU64,
     stop: AtomicBool,
@@ -89,12 +107,13 @@ struct Job<'a> {
     cancelled: AtomicBool,
     pending: Mutex<BTreeMap<u32, Pending>>,
     /// The maps of passes on their way.
-    maps: Mutex<BTreeMap<u32, Arc<PhotonMap>>>,
+    maps: Mutex<BTreeMap<u32, Arc<Maps>>>,
     mapped: Condvar,
     film: Mutex<FilmState>,
     samples: AtomicU64,
     rays: AtomicU64,
     capped: AtomicU64,
+    gathered: AtomicU64,
     layer_rays: [AtomicU64; LightLayer::ALL.len()],
     last_report: AtomicU64,
 }
@@ -142,6 +161,8 @@ pub(super) fn drive(
         options,
         control,
         crop,
+        width,
+        busy: Clocks::default(),
         tiles: [crop[2].div_ceil(TILE), crop[3].div_ceil(TILE)],
         begin: Instant::now(),
         next: AtomicU64::new(0),
@@ -162,6 +183,7 @@ pub(super) fn drive(
         samples: AtomicU64::new(0),
         rays: AtomicU64::new(0),
         capped: AtomicU64::new(0),
+        gathered: AtomicU64::new(0),
         layer_rays: std::array::from_fn(|_| AtomicU64::new(0)),
         last_report: AtomicU64::new(0),
     };
@@ -169,11 +191,13 @@ pub(super) fn drive(
     Ok(job.finish(threads))
 }
 
-/// Whether the error is looked at after so many passes: four times in each octave, where all replications have
-/// the same number of them.
-fn is_looked_at(passes: u32) -> bool {
+/// Whether the error is looked at after so many passes: sixteen times in each octave, and where all replications
+/// have the same number of them. Looking less often would render up to as much longer as a step is; looking costs a
+/// hundredth of the passes between.
+#[must_use]
+pub fn is_looked_at(passes: u32) -> bool {
     let octave = if passes == 0 { 0 } else { 1 << passes.ilog2() };
-    passes >= 8 && passes.is_multiple_of((octave / 4).max(4))
+    passes >= 8 && passes.is_multiple_of((octave / 16).max(4))
 }
 
 impl Job<'_> {
@@ -190,8 +214,8 @@ impl Job<'_> {
                 Item::Chunk(..) => {}
                 Item::Tile(pass, tile) if pass < passes => {
                     let pass = self.options.passes.start + pass as u32;
-                    let samples = self.tile(tile, pass);
-                    self.deliver(pass, |pending| pending.tiles.push((tile as usize, samples)));
+                    let tile = self.tile(tile, pass);
+                    self.deliver(pass, |pending| pending.tiles.push(tile));
                 }
                 Item::Tile(..) => break,
             }
@@ -215,35 +239,37 @@ impl Job<'_> {
     /// Traces a part of the photons of a pass; the last one makes the map.
     fn photons(&self, pass: u32, chunk: u32) {
         let Some(tracer) = self.source.tracer() else { return };
+        let begin = Instant::now();
         let mut counters = Counters::default();
         let traced = tracer.trace(pass, chunk, &mut counters);
-        counters.layer_rays[LightLayer::Caustic as usize] = counters.rays;
+        counters.layer_rays[traced.layer as usize] = counters.rays;
         self.count(&counters);
         let mut all = Vec::new();
         self.deliver(pass, |pending| {
             pending.splats.extend(traced.splats);
-            pending.photons.push((chunk, traced.photons));
+            pending.photons.push((chunk, traced.layer, traced.photons));
             pending.chunks += 1;
             if pending.chunks == tracer.chunks() {
                 all = std::mem::take(&mut pending.photons);
             }
         });
-        if !all.is_empty() && tracer.maps() {
-            all.sort_by_key(|&(chunk, _)| chunk);
-            let map = tracer.map(pass, all.into_iter().map(|(_, photons)| photons).collect());
-            lock(&self.maps).insert(pass, Arc::new(map));
+        if !all.is_empty() && tracer.gathers() {
+            all.sort_by_key(|&(chunk, ..)| chunk);
+            let parts = all.into_iter().map(|(_, layer, photons)| (layer, photons)).collect();
+            lock(&self.maps).insert(pass, Arc::new(tracer.maps(Radius::of(pass), parts)));
             self.mapped.notify_all();
         }
+        self.busy.photons.add(begin);
     }
 
-    /// The map of a pass. Its photons were handed out before its tiles, and whoever has a part of them
+    /// The maps of a pass. Its photons were handed out before its tiles, and whoever has a part of them
     /// finishes it, so that the wait ends.
-    fn map(&self, pass: u32) -> Option<Arc<PhotonMap>> {
-        self.source.tracer().filter(|t| t.maps())?;
+    fn maps(&self, pass: u32) -> Option<Arc<Maps>> {
+        self.source.tracer().filter(|t| t.gathers())?;
         let mut maps = lock(&self.maps);
         loop {
-            if let Some(map) = maps.get(&pass) {
-                return Some(Arc::clone(map));
+            if let Some(own) = maps.get(&pass) {
+                return Some(Arc::clone(own));
             }
             maps = self.mapped.wait(maps).unwrap_or_else(std::sync::PoisonError::into_inner);
         }
@@ -252,6 +278,7 @@ impl Job<'_> {
     fn count(&self, counters: &Counters) {
         self.rays.fetch_add(counters.rays, Ordering::Relaxed);
         self.capped.fetch_add(counters.capped, Ordering::Relaxed);
+        self.gathered.fetch_add(counters.gathered, Ordering::Relaxed);
         if self.records_layers() {
             for (sum, n) in self.layer_rays.iter().zip(counters.layer_rays) {
                 sum.fetch_add(n, Ordering::Relaxed);
@@ -265,20 +292,38 @@ impl Job<'_> {
         [x, y, TILE.min(self.crop[2] - x), TILE.min(self.crop[3] - y)]
     }
 
-    fn tile(&self, tile: u32, pass: u32) -> Vec<Sample> {
+    /// The pixels of a tile that are rendered: column and row within the crop.
+    fn pixels(&self, tile: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
         let [x, y, w, h] = self.bounds(tile);
-        let map = self.map(pass);
+        let all = (y..y + h).flat_map(move |row| (x..x + w).map(move |column| [column, row]));
+        all.filter(|&[column, row]| self.is_rendered(column, row))
+    }
+
+    /// One pixel of each run of as many as `every` says.
+    fn is_rendered(&self, column: u32, row: u32) -> bool {
+        let every = u64::from(self.options.every.max(1));
+        let index = u64::from(self.crop[1] + row) * u64::from(self.width) + u64::from(self.crop[0] + column);
+        every == 1 || index % every == mix64(index / every) % every
+    }
+
+    fn tile(&self, tile: u32, pass: u32) -> Tile {
+        let maps = self.maps(pass);
+        let begin = Instant::now();
         let mut counters = Counters::default();
-        let mut samples = Vec::with_capacity((w * h) as usize);
-        for row in y..y + h {
-            for column in x..x + w {
-                let pixel = [self.crop[0] + column, self.crop[1] + row];
-                samples.push(self.source.sample(pixel, pass, map.as_deref(), &mut counters));
-            }
-        }
+        let of = |[column, row]: [u32; 2]| {
+            let pixel = [self.crop[0] + column, self.crop[1] + row];
+            self.source.sample(pixel, pass, maps.as_deref(), &mut counters)
+        };
+        let samples: Vec<Sample> = self.pixels(tile).map(of).collect();
+        let tiles = self.tile_count() as u32;
+        // Their rays are not counted: they are not those of the picture.
+        let mut beside = Counters::default();
+        let trace = |s: &Second<'_>| s.trace(pass, tile, tiles, &mut beside);
+        let seen = self.source.second().map(trace).unwrap_or_default();
+        self.busy.tiles.add(begin);
         self.samples.fetch_add(samples.len() as u64, Ordering::Relaxed);
         self.count(&counters);
-        samples
+        Tile { index: tile as usize, samples, found: counters.found, seen }
     }
 
     /// Adds to what is done of a pass, and all of that to the film where it is complete.
@@ -309,8 +354,10 @@ impl Job<'_> {
             self.control.committed(&state.film, start..done, self.counters());
             let Some(target) = self.options.error else { continue };
             if is_looked_at(done)
-                && let Some(found) = state.film.error()
+                && let Some(squares) = state.film.error_squares()
             {
+                self.control.looked(done, &squares);
+                let found = state.film.error_of(&squares);
                 state.error = Some((found, done));
                 state.reached = found.trusted && found.error <= target;
             }
@@ -323,14 +370,21 @@ impl Job<'_> {
     fn counters(&self) -> Counters {
         let now = |n: &AtomicU64| n.load(Ordering::Relaxed);
         let layer_rays = std::array::from_fn(|i| now(&self.layer_rays[i]));
-        Counters { rays: now(&self.rays), capped: now(&self.capped), layer_rays }
+        Counters {
+            rays: now(&self.rays),
+            capped: now(&self.capped),
+            gathered: now(&self.gathered),
+            layer_rays,
+            ..Counters::default()
+        }
     }
 
     fn commit(&self, state: &mut FilmState, pass: u32, pending: &Pending) {
-        for (tile, samples) in &pending.tiles {
-            let [x, y, w, _] = self.bounds(*tile as u32);
-            for (i, sample) in samples.iter().enumerate() {
-                let (column, row) = (x + i as u32 % w, y + i as u32 / w);
+        let begin = Instant::now();
+        for Tile { index, samples, found, seen } in &pending.tiles {
+            state.film.found(*index, found);
+            state.film.glimpses(seen.traced, &seen.glimpses);
+            for ([column, row], sample) in self.pixels(*index as u32).zip(samples) {
                 let pixel = row as usize * self.crop[2] as usize + column as usize;
                 let added = state.film.add(pixel, pass, sample);
                 self.note(state, pixel, pass, added);
@@ -338,9 +392,13 @@ impl Job<'_> {
         }
         for splat in &pending.splats {
             let pixel = splat.pixel as usize;
-            let added = state.film.splat(pixel, pass, splat.radiance, LightLayer::Caustic);
+            if !self.is_rendered(splat.pixel % self.crop[2], splat.pixel / self.crop[2]) {
+                continue;
+            }
+            let added = state.film.splat(pixel, pass, splat.radiance, LightLayer::Caustic, splat.class);
             self.note(state, pixel, pass, added);
         }
+        self.busy.film.add(begin);
     }
 
     /// Keeps some of the samples that the film refuses.
@@ -374,7 +432,7 @@ impl Job<'_> {
     }
 
     fn progress(&self, elapsed: Duration) -> Progress {
-        let pixels = u64::from(self.crop[2]) * u64::from(self.crop[3]);
+        let pixels = u64::from(self.crop[2]) * u64::from(self.crop[3]) / u64::from(self.options.every.max(1));
         let (passes, error) = {
             let state = lock(&self.film);
             (state.passes_done, state.error)
@@ -416,8 +474,35 @@ impl Job<'_> {
             counters,
             bad: state.bad,
             elapsed,
+            busy: Busy {
+                photons: self.busy.photons.read(),
+                tiles: self.busy.tiles.read(),
+                film: self.busy.film.read(),
+            },
             threads,
         }
+    }
+}
+
+/// What threads are busy with.
+#[derive(Default)]
+struct Clocks {
+    photons: Clock,
+    tiles: Clock,
+    film: Clock,
+}
+
+/// Nanoseconds.
+#[derive(Default)]
+struct Clock(AtomicU64);
+
+impl Clock {
+    fn add(&self, begin: Instant) {
+        self.0.fetch_add(begin.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+
+    fn read(&self) -> Duration {
+        Duration::from_nanos(self.0.load(Ordering::Relaxed))
     }
 }
 

@@ -1,7 +1,8 @@
 //! `li` compiled for a few sets of effects.
 
-use super::li::{Counters, Layers, li, li_in_layers};
-use super::photon::PhotonMap;
+use super::li::{li, li_in_layers};
+use super::path::{Counters, Layers};
+use super::photon::Maps;
 use crate::color::Rgb;
 use crate::prepare::{Effects, KERNELS, KernelSet, Plan, Prepared};
 use crate::sampling::Address;
@@ -10,8 +11,8 @@ use crate::shape::Ray;
 /// Radiance along a camera ray, W sr^-1 m^-2, for one set of effects.
 pub type LiFn = fn(&Prepared, Address, Ray, &mut Counters) -> Rgb;
 
-/// The same radiance, and the parts that it consists of; where there is a map, with the photons of the pass.
-pub(super) type LayeredLiFn = fn(&Prepared, Option<&PhotonMap>, Address, Ray, &mut Counters) -> (Rgb, Layers);
+/// The same radiance, and the parts that it consists of; where there are maps, with the photons of the pass.
+pub(super) type LayeredLiFn = fn(&Prepared, Option<&Maps>, Address, Ray, &mut Counters) -> (Rgb, Layers);
 
 /// A compiled transport loop.
 #[derive(Clone, Copy, Debug)]

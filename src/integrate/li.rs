@@ -5,89 +5,32 @@
 //! unless asked for: paths end by roulette. The walk is a loop over [`step`], so that paths could as
 //! well be advanced side by side.
 //!
+//! Two choices of the plan make one sample of more than one: at the first vertex that spreads light, several samples
+//! of lights (of the same density, so that n of them weigh as one of n times the density; Veach, thesis, section
+//! 9.2), and where the first thing that the camera sees is a mirror or clear glass, several ways on from there.
+//!
 //! `FX` is the set of effects that a kernel simulates; what is not in it is not compiled. One kernel looks at
 //! run time (`Effects::AT_RUN_TIME`), and serves every set.
 
 use glam::Vec3;
 
-use super::direct::{direct_light, mis_weight};
-use super::photon::{PhotonMap, caustics_at};
+use super::direct::direct_light;
+use super::path::{Counters, FAR_CAP, Layers, NOWHERE, PathState, Sampled};
+use super::photon::{Maps, Place, gathered};
 use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
-use crate::bsdf::Transport;
+use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
-use crate::film::LightLayer;
 use crate::light::LightContext;
 use crate::mutants::planted;
-use crate::prepare::{
-    Caustics, Detail, Effect, Effects, Kept, Medium, Prepared, PreparedMaterial, Surface, Way,
-};
+use crate::prepare::{Caustics, Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
-/// Scattering events, and surfaces passed, after which a path is cut although nothing asks for it. Only paths that lose
-/// nothing at all get here (a camera in a closed box of perfect mirrors); they are counted.
-pub(super) const FAR_CAP: u32 = 10_000;
-
-/// What a ray leaves that does not start on a surface.
-const NOWHERE: [PrimitiveId; 2] = [PrimitiveId::NONE; 2];
-
-/// What a path did, for reports.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counters {
-    /// Rays traced, shadow rays included.
-    pub rays: u64,
-    /// Paths cut by the far safety cap.
-    pub capped: u64,
-    /// Rays by the [`LightLayer`] of the light that they look for, where layers are recorded: a shadow ray by that
-    /// of its light, any other by that of a light at its end, those of photons by that of caustics.
-    pub layer_rays: [u64; LightLayer::ALL.len()],
-}
-
-/// The parts of a radiance, by number of their [`LightLayer`].
-pub type Layers = [Rgb; LightLayer::ALL.len()];
-
-/// Where a direction was sampled, and how probable it was: what the next emitter's weight depends on.
-struct Sampled {
-    context: LightContext,
-    pdf: f32,
-}
-
-/// A path on its way.
-struct PathState {
-    ray: Ray,
-    /// The primitives that the ray leaves: that of a surface, and of another that lies on it.
-    from: [PrimitiveId; 2],
-    /// Scattering events so far.
-    depth: u32,
-    /// Surfaces passed that were not there.
-    passed: u32,
-    /// Throughput.
-    beta: Rgb,
-    /// What the path has gathered.
-    radiance: Rgb,
-    /// Which parts that consists of, where layers are asked for.
-    layers: Layers,
-    /// Whether its first event had no spread, or a narrow one: the camera looks into a mirror or through glass.
-    through: bool,
-    /// How many of its events had a spread, and not a narrow one.
-    spread: u32,
-    /// Whether the last event had no spread, or a narrow one.
-    thrown: bool,
-    /// Whether it is `E D (S+ D)*` so far, or nothing yet: the form of which photons reach the camera directly.
-    linked: bool,
-    /// Which caustics it leaves to photons.
-    caustics: Caustics,
-    /// The last scattering event where it had a density; `None` after the camera and after delta lobes.
-    sampled: Option<Sampled>,
-    /// What the path is in.
-    medium: Medium,
-    /// Product of eta^2: what refractions have taken from `beta` and will give back.
-    eta_scale: f32,
-}
-
 enum Next {
     Continue,
+    /// The path is to go on in several ways from here, each of which begins at this hit anew.
+    Fork(Hit),
     Done,
 }
 
@@ -98,157 +41,81 @@ pub(super) fn li<const FX: u32>(
     ray: Ray,
     counters: &mut Counters,
 ) -> Rgb {
-    let mut path = PathState::new(scene, ray);
-    while let Next::Continue = step::<FX, false>(scene, None, &address, &mut path, counters) {}
-    path.radiance
+    walk::<FX, false>(scene, None, address, ray, counters).0
 }
 
-/// The same radiance, and the parts that it consists of; where there is a map, the path gathers the photons of
+/// The same radiance, and the parts that it consists of; where there are maps, the path gathers the photons of
 /// its pass.
 pub(super) fn li_in_layers<const FX: u32>(
     scene: &Prepared,
-    map: Option<&PhotonMap>,
+    maps: Option<&Maps>,
+    address: Address,
+    ray: Ray,
+    counters: &mut Counters,
+) -> (Rgb, Layers) {
+    walk::<FX, true>(scene, maps, address, ray, counters)
+}
+
+/// From the camera to the end.
+#[inline(always)]
+fn walk<const FX: u32, const LAYERS: bool>(
+    scene: &Prepared,
+    maps: Option<&Maps>,
     address: Address,
     ray: Ray,
     counters: &mut Counters,
 ) -> (Rgb, Layers) {
     let mut path = PathState::new(scene, ray);
-    while let Next::Continue = step::<FX, true>(scene, map, &address, &mut path, counters) {}
-    (path.radiance, path.layers)
-}
-
-impl PathState {
-    fn new(scene: &Prepared, ray: Ray) -> Self {
-        Self {
-            ray,
-            from: NOWHERE,
-            depth: 0,
-            passed: 0,
-            beta: Rgb::WHITE,
-            radiance: Rgb::BLACK,
-            sampled: None,
-            medium: scene.start,
-            eta_scale: 1.0,
-            layers: [Rgb::BLACK; LightLayer::ALL.len()],
-            through: false,
-            spread: 0,
-            thrown: false,
-            linked: true,
-            caustics: scene.plan.caustics,
-        }
-    }
-
-    /// Whether light that the path meets now is a caustic: its last event had no spread, or a narrow one; an earlier
-    /// one had.
-    #[inline(always)]
-    fn meets_caustic(&self) -> bool {
-        self.thrown && self.spread > 0
-    }
-
-    /// The layer of light that the path meets now.
-    #[inline(always)]
-    fn meets(&self) -> LightLayer {
-        match (self.depth, &self.sampled) {
-            (0, _) => LightLayer::Emitted,
-            _ if self.meets_caustic() => LightLayer::Caustic,
-            _ if self.through => LightLayer::Glass,
-            (1, _) => LightLayer::Direct,
-            _ => LightLayer::Indirect,
-        }
-    }
-
-    /// The layer of light that is sampled at the vertex where the path is now, on a material that may be `narrow`.
-    #[inline(always)]
-    fn samples(&self, narrow: bool) -> LightLayer {
-        match self.depth {
-            _ if narrow && self.spread > 0 => LightLayer::Caustic,
-            _ if self.through => LightLayer::Glass,
-            0 => LightLayer::Direct,
-            _ => LightLayer::Indirect,
-        }
-    }
-
-    /// Adds light that the path met on its way, unless photons supply it.
-    #[inline(always)]
-    fn meet<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
-        if self.meets_caustic() && self.caustics.by_photons(self.linked) {
-            return;
-        }
-        let way = || Way { events: self.depth, spread: self.spread, caustic: self.meets_caustic() };
-        let radiance = planted!(clamp(kept.of(found, way)));
-        self.radiance += radiance;
-        if LAYERS {
-            self.layers[self.meets() as usize] += radiance;
-        }
-    }
-
-    /// Adds light that was sampled at a vertex that has a spread, on a material that may be `narrow`.
-    #[inline(always)]
-    fn lit<const LAYERS: bool>(&mut self, narrow: bool, found: Rgb, kept: &Kept) {
-        let way = || Way {
-            events: self.depth + 1,
-            spread: self.spread + u32::from(!narrow),
-            caustic: narrow && self.spread > 0,
-        };
-        let radiance = planted!(clamp(kept.of(found, way)));
-        self.radiance += radiance;
-        if LAYERS {
-            self.layers[self.samples(narrow) as usize] += radiance;
-        }
-    }
-
-    /// Adds the light of photons around a vertex that has a spread.
-    #[inline(always)]
-    fn gather<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
-        // At least one event threw it here.
-        let way = || Way { events: self.depth + 2, spread: self.spread + 1, caustic: true };
-        let radiance = kept.of(found, way);
-        self.radiance += radiance;
-        if LAYERS {
-            self.layers[LightLayer::Caustic as usize] += radiance;
+    loop {
+        match step::<FX, LAYERS>(scene, maps, &address, None, &mut path, counters) {
+            Next::Continue => {}
+            Next::Fork(hit) => return ways::<FX>(scene, maps, address, &path, hit, counters),
+            Next::Done => return (path.radiance, path.layers),
         }
     }
 }
 
-/// From one vertex to the next; photons of `map` are gathered where there is one, but for those that reach the
-/// camera from here without this path.
+/// The mean over several ways on from where a path first meets a mirror or clear glass; way j has the numbers of
+/// branch j of the sample.
+#[inline(never)]
+fn ways<const FX: u32>(
+    scene: &Prepared,
+    maps: Option<&Maps>,
+    address: Address,
+    arrived: &PathState,
+    hit: Hit,
+    counters: &mut Counters,
+) -> (Rgb, Layers) {
+    let n = scene.plan.split;
+    let (mut radiance, mut layers) = (Rgb::BLACK, Layers::default());
+    for j in 0..n {
+        let mut path = PathState { forks: false, ..arrived.clone() };
+        let (address, mut at) = (address.split(n, j), Some(hit));
+        while let Next::Continue = step::<FX, true>(scene, maps, &address, at.take(), &mut path, counters) {}
+        radiance += path.radiance;
+        layers.iter_mut().zip(path.layers).for_each(|(sum, part)| *sum += part);
+    }
+    let share = 1.0 / n as f32;
+    (radiance * share, layers.map(|sum| sum * share))
+}
+
+/// From one vertex to the next, or from one that the path has arrived `at`, on; photons of `maps` are gathered where
+/// there are any.
 #[inline(always)]
 fn step<const FX: u32, const LAYERS: bool>(
     scene: &Prepared,
-    map: Option<&PhotonMap>,
+    maps: Option<&Maps>,
     address: &Address,
+    at: Option<Hit>,
     path: &mut PathState,
     counters: &mut Counters,
 ) -> Next {
     let fx = scene.simulated::<FX>();
-    let kind = if path.depth == 0 { RayKind::Camera } else { RayKind::Other };
-    counters.rays += 1;
-    if LAYERS {
-        counters.layer_rays[path.meets() as usize] += 1;
-    }
-    let hit = scene.accel.closest_between(&path.ray, path.from, kind);
-    let t = hit.map_or(f32::INFINITY, |h| h.t);
-
-    // Free lights on the way: they block nothing, so each is found where it stands.
-    if fx.has(Effect::FreeLights) {
-        free_lights::<FX, LAYERS>(scene, path, t);
-    }
-    // Absorption on the way.
-    if fx.has(Effect::Absorption)
-        && let Some(medium) = path.medium.absorbs
-    {
-        path.beta *= interior(scene, medium, t);
-    }
-    #[cfg(epsilux_dummy_effect)]
-    if fx.has(Effect::Dummy)
-        && let Some(dummy) = scene.dummy
-    {
-        path.beta *= dummy.transmittance(t);
-    }
-    let Some(hit) = hit else {
+    let arrives = at.is_none();
+    let Some(hit) = at.or_else(|| next_hit::<FX, LAYERS>(scene, path, counters)) else {
         // Light from infinitely far away.
         if fx.has(Effect::Environment) {
-            distant_lights::<LAYERS>(scene, path);
+            distant_lights::<LAYERS>(scene, path, counters);
         }
         return Next::Done;
     };
@@ -264,7 +131,8 @@ fn step<const FX: u32, const LAYERS: bool>(
     let mut prepared = &scene.materials[material as usize];
     let detail =
         if varies(fx) && prepared.detailed { scene.detail(surface.object, &hit) } else { Detail::NONE };
-    let mut there = !fx.has(Effect::Cutouts) || is_there(prepared, &detail, address, path.depth, path.passed);
+    let mut there =
+        !arrives || !fx.has(Effect::Cutouts) || is_there(prepared, &detail, address, path.depth, path.passed);
     let met = if fx.has(Effect::Nesting) { scene.meet(&surface, path.ray.d, path.medium) } else { None };
     let leaving = [surface.id, met.map_or(PrimitiveId::NONE, |m| m.with)];
     if let Some(met) = &met {
@@ -282,6 +150,7 @@ fn step<const FX: u32, const LAYERS: bool>(
 
     // Emission met by chance: full weight after the camera and delta lobes, a share otherwise.
     if fx.has(Effect::AreaLights)
+        && arrives
         && let Some(light) = scene.lights.of_surface(surface.id)
     {
         let mut le = scene.lights.emitted(light, wo, surface.ng);
@@ -295,9 +164,15 @@ fn step<const FX: u32, const LAYERS: bool>(
         }
         let weight = match &path.sampled {
             None => 1.0,
-            Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
+            Some(s) => s.weight(scene.lights.pdf(&s.context, light, surface.p, surface.ng)),
         };
-        path.meet::<LAYERS>(path.beta * planted!(light_energy(le)) * weight, &scene.kept);
+        let found = path.beta * planted!(light_energy(le)) * weight;
+        path.count(scene, found, light, counters);
+        path.meet::<LAYERS>(found, &scene.kept);
+    }
+    // Whatever else arrives where the path was spread for the second time, photons have brought.
+    if path.spread > 1 && maps.is_some_and(|m| m.indirect.is_some()) {
+        return Next::Done;
     }
     if scene.max_depth.is_some_and(|cap| path.depth >= planted!(depth_off_by_one(cap))) {
         return Next::Done;
@@ -307,7 +182,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         return Next::Done;
     }
 
-    // Direct light: one light, by what it could contribute.
+    // Direct light: one light, by what it could contribute; several where a path first spreads, if that pays.
     if fx.has(Effect::NormalMaps) {
         surface.ns = mapped_normal(scene, prepared, &surface, &hit, &detail, wo);
     }
@@ -330,24 +205,41 @@ fn step<const FX: u32, const LAYERS: bool>(
     let left = prepared.narrow && path.spread > 0 && path.caustics.by_photons(path.linked);
     // What would be spread once more counts for nothing where indirect light is left out.
     let over = !prepared.narrow && scene.kept.ends_after(path.spread);
+    let mut lights = 1.0;
     if !bsdf.is_delta() && !left && !over {
-        let u = address.block(path.depth, Purpose::Light, 0, 0);
         let media = [path.medium, beyond];
+        let samples = if path.spread == 0 { scene.plan.light_samples } else { 1 };
         let before = counters.rays;
-        let ld = direct_light::<FX>(scene, bsdf, &frame, &context, media, u, counters);
-        if LAYERS {
-            counters.layer_rays[path.samples(prepared.narrow) as usize] += counters.rays - before;
-        }
-        path.lit::<LAYERS>(prepared.narrow, path.beta * ld, &scene.kept);
-        if let Some(map) = map
-            && path.depth > 0
-            && !prepared.narrow
-            && !(path.linked && path.thrown)
+        let u = || address.block(path.depth, Purpose::Light, 0, 0);
+        let narrow = prepared.narrow;
+        if samples > 1 {
+            lights = samples as f32;
+            let found = many_lights::<FX>(
+                scene,
+                path,
+                bsdf,
+                &frame,
+                &context,
+                media,
+                (address, samples, narrow),
+                counters,
+            );
+            path.lit::<LAYERS>(narrow, found, &scene.kept);
+        } else if let Some((ld, light)) =
+            direct_light::<FX>(scene, bsdf, &frame, &context, media, u(), 1.0, counters)
         {
-            let place = (path.depth, path.spread > 0);
-            let caustics = caustics_at(scene, map, bsdf, &frame, &context, media, place);
-            path.gather::<LAYERS>(path.beta * caustics, &scene.kept);
+            let found = path.beta * ld;
+            path.count_lit(scene, narrow, found, light, counters);
+            path.lit::<LAYERS>(narrow, found, &scene.kept);
         }
+        if LAYERS {
+            counters.layer_rays[path.samples(narrow) as usize] += counters.rays - before;
+        }
+        if let Some(maps) = maps.filter(|_| !narrow) {
+            gather(scene, maps, path, bsdf, &frame, &context, media, counters);
+        }
+    } else if path.forks && path.depth == 0 {
+        return Next::Fork(hit);
     }
 
     // Continue the path in a direction chosen by the BSDF.
@@ -369,17 +261,100 @@ fn step<const FX: u32, const LAYERS: bool>(
     path.through |= path.depth == 0 && thrown;
     path.spread += u32::from(!thrown);
     path.thrown = thrown;
-    path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf });
+    path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf, lights });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
     path.from = leaving;
     path.depth += 1;
 
     // Roulette on throughput, corrected for what refraction will give back.
-    match roulette::survive(path.beta, path.eta_scale, path.depth, u[3]) {
+    match roulette::survive(path.beta, path.eta_scale, path.depth, scene.plan.roulette, u[3]) {
         Some(scale) => path.beta *= scale,
         None => return Next::Done,
     }
     Next::Continue
+}
+
+/// What a ray meets next, and what it passes on its way there: free lights, which block nothing, so that each is found
+/// where it stands, and what absorbs.
+#[inline(always)]
+fn next_hit<const FX: u32, const LAYERS: bool>(
+    scene: &Prepared,
+    path: &mut PathState,
+    counters: &mut Counters,
+) -> Option<Hit> {
+    let fx = scene.simulated::<FX>();
+    let kind = if path.depth == 0 { RayKind::Camera } else { RayKind::Other };
+    counters.rays += 1;
+    if LAYERS {
+        counters.layer_rays[path.meets() as usize] += 1;
+    }
+    let hit = scene.accel.closest_between(&path.ray, path.from, kind);
+    let t = hit.map_or(f32::INFINITY, |h| h.t);
+    if fx.has(Effect::FreeLights) {
+        free_lights::<FX, LAYERS>(scene, path, t, counters);
+    }
+    if fx.has(Effect::Absorption)
+        && let Some(medium) = path.medium.absorbs
+    {
+        path.beta *= interior(scene, medium, t);
+    }
+    #[cfg(epsilux_dummy_effect)]
+    if fx.has(Effect::Dummy)
+        && let Some(dummy) = scene.dummy
+    {
+        path.beta *= dummy.transmittance(t);
+    }
+    hit
+}
+
+/// Radiance that several samples of lights at a vertex add to the path of an address, whose material may be narrow.
+#[inline(never)]
+fn many_lights<const FX: u32>(
+    scene: &Prepared,
+    path: &PathState,
+    bsdf: &Bsdf,
+    frame: &scatter::Frame,
+    context: &LightContext,
+    media: [Medium; 2],
+    (address, samples, narrow): (&Address, u32, bool),
+    counters: &mut Counters,
+) -> Rgb {
+    let n = samples as f32;
+    let share = 1.0 / n;
+    let mut sum = Rgb::BLACK;
+    for j in 0..samples {
+        let u = address.split(samples, j).block(path.depth, Purpose::Light, 0, 0);
+        if let Some((ld, light)) = direct_light::<FX>(scene, bsdf, frame, context, media, u, n, counters) {
+            path.count_lit(scene, narrow, path.beta * ld * share, light, counters);
+            sum += ld;
+        }
+    }
+    path.beta * (sum * share)
+}
+
+/// Adds the light of the photons around a vertex, but of those that reach the camera from here without this path.
+#[inline(never)]
+fn gather(
+    scene: &Prepared,
+    maps: &Maps,
+    path: &mut PathState,
+    bsdf: &Bsdf,
+    frame: &scatter::Frame,
+    context: &LightContext,
+    media: [Medium; 2],
+    counters: &mut Counters,
+) {
+    let linked = path.linked && path.thrown;
+    let place = Place { depth: path.depth, spread: path.spread > 0, linked: true };
+    if let Some(map) = maps.caustics.as_ref().filter(|_| path.depth > 0 && !linked) {
+        let found = gathered(scene, map, bsdf, frame, context, media, place, counters);
+        path.gather(&found, &scene.kept, counters);
+    }
+    if let Some(map) = maps.indirect.as_ref().filter(|_| path.spread == 1) {
+        let place = Place { linked: !(linked && path.caustics != Caustics::Path), ..place };
+        let found = gathered(scene, map, bsdf, frame, context, media, place, counters);
+        path.gather(&found, &scene.kept, counters);
+    }
 }
 
 /// Whether textures or vertex colours may vary anything.
@@ -483,7 +458,12 @@ pub(super) fn interior(scene: &Prepared, material: u32, length: f32) -> Rgb {
 }
 
 #[inline(never)]
-fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut PathState, t_max: f32) {
+fn free_lights<const FX: u32, const LAYERS: bool>(
+    scene: &Prepared,
+    path: &mut PathState,
+    t_max: f32,
+    counters: &mut Counters,
+) {
     let camera = path.depth == 0;
     let mut sum = Rgb::BLACK;
     scene.lights.free_hits(&path.ray, t_max, |hit| {
@@ -492,7 +472,7 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
         }
         let weight = match &path.sampled {
             None => 1.0,
-            Some(s) => mis_weight(s.pdf, scene.lights.pdf(&s.context, hit.light, hit.p, hit.n)),
+            Some(s) => s.weight(scene.lights.pdf(&s.context, hit.light, hit.p, hit.n)),
         };
         let mut beta = path.beta;
         if scene.simulated::<FX>().has(Effect::Absorption)
@@ -500,21 +480,25 @@ fn free_lights<const FX: u32, const LAYERS: bool>(scene: &Prepared, path: &mut P
         {
             beta *= interior(scene, medium, Vec3::distance(hit.p, path.ray.o));
         }
-        sum += beta * planted!(light_energy(hit.radiance)) * weight;
+        let found = beta * planted!(light_energy(hit.radiance)) * weight;
+        path.count(scene, found, hit.light, counters);
+        sum += found;
     });
     path.meet::<LAYERS>(sum, &scene.kept);
 }
 
-fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState) {
+fn distant_lights<const LAYERS: bool>(scene: &Prepared, path: &mut PathState, counters: &mut Counters) {
     let camera = path.depth == 0;
     let mut sum = Rgb::BLACK;
     let context = path.sampled.as_ref().map(|s| &s.context);
-    scene.lights.distant(path.ray.d, context, |radiance, visible, pdf| {
+    scene.lights.distant(path.ray.d, context, |light, radiance, visible, pdf| {
         if camera && (!visible || scene.transparent) {
             return;
         }
-        let weight = path.sampled.as_ref().map_or(1.0, |s| mis_weight(s.pdf, pdf));
-        sum += path.beta * radiance * weight;
+        let weight = path.sampled.as_ref().map_or(1.0, |s| s.weight(pdf));
+        let found = path.beta * radiance * weight;
+        path.count(scene, found, light, counters);
+        sum += found;
     });
     path.meet::<LAYERS>(sum, &scene.kept);
 }

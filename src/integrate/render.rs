@@ -8,9 +8,10 @@ use std::time::Duration;
 
 use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
-use super::li::{Counters, first_surface};
-use super::photon::{PhotonMap, Tracer};
-use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample};
+use super::li::first_surface;
+use super::path::Counters;
+use super::photon::{Maps, Radius, Second, Tracer};
+use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample, Squares};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
@@ -29,6 +30,9 @@ pub struct RenderOptions {
     pub threads: usize,
     /// Left, top, width and height of the part to render, pixels of the whole picture.
     pub crop: Option<[u32; 4]>,
+    /// Renders one pixel of so many, spread over the picture, and leaves the others empty: to learn about a picture
+    /// from a part of it. 1 is all of them.
+    pub every: u32,
     /// Whether to record features of the first surface (albedo, normal, depth, position, ids).
     pub features: bool,
     /// Whether to record the parts of the light ([`LightLayer`](crate::film::LightLayer)) and each pixel's
@@ -49,6 +53,7 @@ impl RenderOptions {
             error: None,
             threads: 0,
             crop: None,
+            every: 1,
             features: false,
             layers: false,
             layer_noise: false,
@@ -103,6 +108,9 @@ pub trait Control: Sync {
     /// Called with the film each time that a whole pass has been added, in order: the passes that this render has
     /// added so far, and what it took. Work waits meanwhile.
     fn committed(&self, _film: &Film, _passes: Range<u32>, _counters: Counters) {}
+    /// Called after the passes at which the error is looked at, where one is asked for, with what the pixels add to it.
+    /// Work waits meanwhile.
+    fn looked(&self, _passes: u32, _squares: &Squares) {}
     /// Asked often; true ends the render soon.
     fn cancelled(&self) -> bool {
         false
@@ -126,6 +134,17 @@ pub struct BadSample {
     pub reason: Refusal,
 }
 
+/// What threads were busy with, in seconds of one thread.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Busy {
+    /// Tracing photons, and making maps of them.
+    pub photons: Duration,
+    /// Tracing paths.
+    pub tiles: Duration,
+    /// Adding to the film.
+    pub film: Duration,
+}
+
 /// What a render gave.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -145,6 +164,8 @@ pub struct Outcome {
     pub bad: Vec<BadSample>,
     /// Wall-clock time.
     pub elapsed: Duration,
+    /// What the threads did meanwhile.
+    pub busy: Busy,
     /// Threads that worked.
     pub threads: usize,
 }
@@ -195,13 +216,14 @@ struct Planned<'a> {
     scene: &'a Prepared,
     kernel: Kernel,
     tracer: Option<Tracer<'a>>,
+    second: Option<Second<'a>>,
     features: bool,
     layers: bool,
 }
 
 impl Source for Planned<'_> {
-    fn sample(&self, pixel: [u32; 2], pass: u32, map: Option<&PhotonMap>, counters: &mut Counters) -> Sample {
-        let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, map, counters);
+    fn sample(&self, pixel: [u32; 2], pass: u32, maps: Option<&Maps>, counters: &mut Counters) -> Sample {
+        let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, maps, counters);
         if self.features {
             s.features = features(self.scene, pixel, pass);
         }
@@ -211,16 +233,20 @@ impl Source for Planned<'_> {
     fn tracer(&self) -> Option<&Tracer<'_>> {
         self.tracer.as_ref()
     }
+
+    fn second(&self) -> Option<&Second<'_>> {
+        self.second.as_ref()
+    }
 }
 
 /// A sample at a pixel of the whole picture.
-fn sample(
+pub(super) fn sample(
     scene: &Prepared,
     kernel: &Kernel,
     layers: bool,
     pixel: [u32; 2],
     pass: u32,
-    map: Option<&PhotonMap>,
+    maps: Option<&Maps>,
     counters: &mut Counters,
 ) -> Sample {
     let k = scene.plan.replications;
@@ -228,12 +254,20 @@ fn sample(
     let address = Address::new(scene.seed, index, pass % k, pass / k);
     let u = address.block(0, Purpose::Camera, 0, 0);
     let ray = scene.camera.ray(pixel, [u[0], u[1]], || square_to_disk([u[2], u[3]]));
-    if layers || map.is_some() {
-        let (radiance, parts) = (kernel.layered)(scene, map, address, ray, counters);
+    if layers || maps.is_some() {
+        let (radiance, parts) = (kernel.layered)(scene, maps, address, ray, counters);
         return Sample { radiance, features: None, layers: layers.then_some(parts) };
     }
     let radiance = (kernel.li)(scene, address, ray, counters);
     Sample { radiance, features: None, layers: None }
+}
+
+/// Traces the photons of some passes that say how much light there is ([`Film::cross_cells`]) onto a film, alone: more
+/// of them than a render has. Nothing where no light can be traced.
+pub fn second_opinion(scene: &Prepared, film: &mut Film, passes: Range<u32>) {
+    if let Some(second) = Second::new(scene, film.layout().crop) {
+        passes.for_each(|pass| second.onto(film, pass, &mut Counters::default()));
+    }
 }
 
 /// What the first surface seen through a sample is like.
@@ -259,15 +293,15 @@ fn features(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Option<Features> {
 #[must_use]
 pub fn replay(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Sample {
     let counters = &mut Counters::default();
-    let mut map = None;
+    let mut maps = None;
     let mut splats = Vec::new();
     if let Some(tracer) = Tracer::new(scene, [pixel[0], pixel[1], 1, 1]) {
         let traced: Vec<_> = (0..tracer.chunks()).map(|chunk| tracer.trace(pass, chunk, counters)).collect();
         splats = traced.iter().flat_map(|t| t.splats.clone()).collect();
-        let parts = || traced.into_iter().map(|t| t.photons).collect();
-        map = tracer.maps().then(|| tracer.map(pass, parts()));
+        let parts = || traced.into_iter().map(|t| (t.layer, t.photons)).collect();
+        maps = tracer.gathers().then(|| tracer.maps(Radius::of(pass), parts()));
     }
-    let mut sample = sample(scene, &kernel(&scene.plan), false, pixel, pass, map.as_ref(), counters);
+    let mut sample = sample(scene, &kernel(&scene.plan), false, pixel, pass, maps.as_ref(), counters);
     splats.iter().for_each(|s| sample.radiance += s.radiance);
     sample
 }
@@ -299,6 +333,8 @@ pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
         layers: options.layers,
         layer_noise: options.layer_noise,
         transparent: scene.transparent,
+        // Photons light all pixels.
+        cross: scene.second().is_some() && options.every <= 1,
     }
 }
 
@@ -319,6 +355,7 @@ pub fn render_onto(
     }
     let features = options.features || scene.transparent;
     let (layers, tracer) = (options.layers || options.layer_noise, Tracer::new(scene, layout.crop));
-    let source = Planned { scene, kernel: kernel(&scene.plan), tracer, features, layers };
+    let second = Second::new(scene, layout.crop);
+    let source = Planned { scene, kernel: kernel(&scene.plan), tracer, second, features, layers };
     drive(&source, film, options, control)
 }

@@ -25,8 +25,8 @@ use glam::Vec3;
 use rand::RngExt as _;
 
 use super::drive::{Source, drive};
-use super::li::Counters;
-use super::photon::PhotonMap;
+use super::path::Counters;
+use super::photon::Maps;
 use super::render::{Control, Outcome, RenderError, RenderOptions};
 use crate::bsdf::fresnel;
 use crate::color::Rgb;
@@ -516,7 +516,7 @@ fn place_in_pixel(ray: u32, rays: u32, [u, v]: [f32; 2]) -> [f32; 2] {
 }
 
 impl Source for Tracer {
-    fn sample(&self, pixel: [u32; 2], ray: u32, _: Option<&PhotonMap>, counters: &mut Counters) -> Sample {
+    fn sample(&self, pixel: [u32; 2], ray: u32, _: Option<&Maps>, counters: &mut Counters) -> Sample {
         let index = u64::from(pixel[1]) * u64::from(self.size[0]) + u64::from(pixel[0]);
         // A replication for each ray: numbers that know nothing of each other, as `rand` gives them.
         let mut rng = Address::new(self.seed, index, ray, 0).stream(0, Purpose::Report, 0);
@@ -651,6 +651,7 @@ impl Tracer {
             layers: false,
             layer_noise: false,
             transparent: false,
+            cross: false,
         };
         let passes = RenderOptions {
             threads: options.threads,

@@ -40,7 +40,7 @@ pub struct Target {
     pub shape: Shape,
     /// A ball around it, with a little room for rounding.
     pub ball: SphereLight,
-    /// Share of the light which it throws on, roughly; (0, 1].
+    /// Share of the light which it throws on, roughly, or how much it is preferred; (0, inf).
     pub strength: f32,
 }
 

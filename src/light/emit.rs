@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use super::aim::Aim;
 use super::set::sun_radiance;
-use super::{Emitter, LightSet, Spot, SurfaceSample};
+use super::{Emitter, LightId, LightSet, Spot, SurfaceSample};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Frame, gamma};
@@ -23,6 +23,8 @@ use crate::shape::{Ray, offset_origin};
 /// A photon that leaves a light.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission {
+    /// Which light.
+    pub light: LightId,
     /// Its way.
     pub ray: Ray,
     /// The primitive that it leaves.
@@ -63,11 +65,12 @@ impl PhotonLights {
     #[must_use]
     pub fn emit(&self, lights: &LightSet, u: [f32; 4], v: [f32; 4]) -> Option<Emission> {
         let (i, pmf, _) = self.choice.sample(u[0])?;
+        let light = LightId(i as u32);
         let (uv, aim) = ([u[1], u[2]], [v[0], v[1], v[2]]);
         let area =
             |s: SurfaceSample, area: f64, radiance, both: bool, spot: Option<&Spot>, ids: PrimitiveId| {
                 let chance = f64::from(pmf) / area;
-                self.leaving_surface(s, radiance, chance, both.then_some(v[3]), spot, ids, aim)
+                self.leaving_surface(s, radiance, chance, both.then_some(v[3]), spot, (light, ids), aim)
             };
         let none = PrimitiveId::NONE;
         match &lights.emitters()[i] {
@@ -94,22 +97,29 @@ impl PhotonLights {
                 let (w, pdf) = self.aim.direction(*position, None, aim)?;
                 let factor = spot.as_ref().map_or(1.0, |s| s.factor(w));
                 let power = *intensity * (factor / (pdf * pmf));
-                lit(Emission { ray: Ray::new(*position, w), from: none, power, p: *position, cos: 1.0 })
+                lit(Emission {
+                    light,
+                    ray: Ray::new(*position, w),
+                    from: none,
+                    power,
+                    p: *position,
+                    cos: 1.0,
+                })
             }
             Emitter::Sun { towards, irradiance, one_minus_cos, .. } => {
                 if *one_minus_cos == 0.0 {
-                    return self.arriving(*towards, *irradiance / pmf, aim);
+                    return self.arriving(light, *towards, *irradiance / pmf, aim);
                 }
                 let w = Frame::from_z(*towards).to_world(square_to_cone(uv, *one_minus_cos)).normalize();
                 let radiance = sun_radiance(*irradiance, *one_minus_cos);
-                self.arriving(w, radiance / (square_to_cone_pdf(*one_minus_cos) * pmf), aim)
+                self.arriving(light, w, radiance / (square_to_cone_pdf(*one_minus_cos) * pmf), aim)
             }
             Emitter::Environment { radiance, .. } => {
-                self.arriving(square_to_sphere(uv), *radiance / (SQUARE_TO_SPHERE_PDF * pmf), aim)
+                self.arriving(light, square_to_sphere(uv), *radiance / (SQUARE_TO_SPHERE_PDF * pmf), aim)
             }
             Emitter::Panorama { map, .. } => {
                 let w = map.sample(uv)?;
-                self.arriving(w, map.radiance(w) / (map.pdf(w) * pmf), aim)
+                self.arriving(light, w, map.radiance(w) / (map.pdf(w) * pmf), aim)
             }
         }
     }
@@ -123,7 +133,7 @@ impl PhotonLights {
         chance: f64,
         side: Option<f32>,
         spot: Option<&Spot>,
-        from: PrimitiveId,
+        (light, from): (LightId, PrimitiveId),
         aim: [f32; 3],
     ) -> Option<Emission> {
         let (n, sides) = match side {
@@ -136,15 +146,15 @@ impl PhotonLights {
         let scale = f64::from(factor) * sides / (chance * f64::from(pdf));
         let power = planted!(light_energy(radiance)) * scale as f32;
         let ray = Ray::new(offset_origin(s.p, s.p_err, s.n, w), w);
-        lit(Emission { ray, from, power, p: s.p, cos })
+        lit(Emission { light, ray, from, power, p: s.p, cos })
     }
 
     /// From the direction `towards`; `radiance` is over the density per solid angle.
-    fn arriving(&self, towards: Vec3, radiance: Rgb, aim: [f32; 3]) -> Option<Emission> {
+    fn arriving(&self, light: LightId, towards: Vec3, radiance: Rgb, aim: [f32; 3]) -> Option<Emission> {
         let (p, pdf) = self.aim.across(towards, aim)?;
         let o = p + towards * self.reach;
         let power = radiance * (1.0 / pdf) as f32;
-        lit(Emission { ray: Ray::new(o, -towards), from: PrimitiveId::NONE, power, p: o, cos: 1.0 })
+        lit(Emission { light, ray: Ray::new(o, -towards), from: PrimitiveId::NONE, power, p: o, cos: 1.0 })
     }
 }
 

@@ -150,6 +150,8 @@ pub enum Emitter {
 /// A direction towards a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
+    /// Which light.
+    pub light: LightId,
     /// Unit direction from the point that is lit.
     pub wi: Vec3,
     /// Radiance that arrives along it when nothing is in the way, divided by `pdf`.
@@ -314,24 +316,30 @@ impl LightSet {
         if emitter.is_flat_under(ctx.from) {
             return None;
         }
+        let light = LightId(i as u32);
+        let surface = |s: SurfaceSample, radiance: Rgb, both_sides: bool, spot: Option<&Spot>, target| {
+            surface(ctx, (light, pmf), s, radiance, both_sides, spot, target)
+        };
+        let distant =
+            |wi: Vec3, weight: Rgb, pdf: f32, delta: bool| distant(ctx, light, wi, weight, pdf, delta);
         match emitter {
             Emitter::Triangle { shape, radiance, both_sides, primitive } => {
-                surface(ctx, shape.sample(ctx.p, uv)?, *radiance, *both_sides, None, pmf, *primitive)
+                surface(shape.sample(ctx.p, uv)?, *radiance, *both_sides, None, *primitive)
             }
             Emitter::Rectangle { shape, radiance, both_sides, primitives, .. } => {
                 let s = shape.sample(ctx.p, uv)?;
                 // The ray ends on one of the two; it must not meet that one at its very end.
                 let target =
                     primitives.map_or(PrimitiveId::NONE, |p| p[usize::from(shape.in_second_half(s.p))]);
-                surface(ctx, s, *radiance, *both_sides, None, pmf, target)
+                surface(s, *radiance, *both_sides, None, target)
             }
             Emitter::Ellipse { shape, radiance, .. } => {
-                surface(ctx, shape.sample(ctx.p, uv)?, *radiance, false, None, pmf, PrimitiveId::NONE)
+                surface(shape.sample(ctx.p, uv)?, *radiance, false, None, PrimitiveId::NONE)
             }
             Emitter::Sphere { shape, radiance, both_sides, spot, primitive, .. } => {
                 let target = primitive.unwrap_or(PrimitiveId::NONE);
                 let s = shape.sample(ctx.p, *primitive == Some(ctx.from), uv)?;
-                surface(ctx, s, *radiance, *both_sides, spot.as_ref(), pmf, target)
+                surface(s, *radiance, *both_sides, spot.as_ref(), target)
             }
             Emitter::Point { position, intensity, spot } => {
                 let d = *position - ctx.p;
@@ -343,6 +351,7 @@ impl LightSet {
                 let shadow_ray = Ray { o: origin, d: to.try_normalize()?, t_max: to.length() };
                 let weight = *intensity * (factor / (d2 * pmf));
                 Some(LightSample {
+                    light,
                     wi,
                     weight,
                     pdf: pmf,
@@ -354,11 +363,11 @@ impl LightSet {
             }
             Emitter::Sun { towards, irradiance, one_minus_cos, .. } => {
                 if *one_minus_cos == 0.0 {
-                    return Some(distant(ctx, *towards, *irradiance / pmf, pmf, true));
+                    return Some(distant(*towards, *irradiance / pmf, pmf, true));
                 }
                 let wi = Frame::from_z(*towards).to_world(square_to_cone(uv, *one_minus_cos)).normalize();
                 let pdf = square_to_cone_pdf(*one_minus_cos) * pmf;
-                Some(distant(ctx, wi, sun_radiance(*irradiance, *one_minus_cos) / pdf, pdf, false))
+                Some(distant(wi, sun_radiance(*irradiance, *one_minus_cos) / pdf, pdf, false))
             }
             Emitter::Environment { radiance, .. } => {
                 let wi = if ctx.transmits {
@@ -368,13 +377,13 @@ impl LightSet {
                     Frame::from_z(n).to_world(square_to_cosine_hemisphere(uv))
                 };
                 let pdf = environment_pdf(ctx, wi) * pmf;
-                (pdf > 0.0).then(|| distant(ctx, wi, *radiance / pdf, pdf, false))
+                (pdf > 0.0).then(|| distant(wi, *radiance / pdf, pdf, false))
             }
             Emitter::Panorama { map, .. } => {
                 // The density is looked up for the direction as rounded, as it is for one found by chance.
                 let wi = map.sample(uv)?;
                 let pdf = map.pdf(wi) * pmf;
-                (pdf > 0.0).then(|| distant(ctx, wi, map.radiance(wi) / pdf, pdf, false))
+                (pdf > 0.0).then(|| distant(wi, map.radiance(wi) / pdf, pdf, false))
             }
         }
     }
@@ -428,27 +437,38 @@ impl LightSet {
         }
     }
 
-    /// What a ray in direction `d` that leaves the scene meets, through `found`: radiance, whether
+    /// What a ray in direction `d` that leaves the scene meets, through `found`: which light, its radiance, whether
     /// camera rays see it, and the density with which [`Self::sample`] would have found it (given the
     /// context it would have been sampled from).
     #[inline]
-    pub fn distant(&self, d: Vec3, ctx: Option<&LightContext>, mut found: impl FnMut(Rgb, bool, f32)) {
+    pub fn distant(
+        &self,
+        d: Vec3,
+        ctx: Option<&LightContext>,
+        mut found: impl FnMut(LightId, Rgb, bool, f32),
+    ) {
         for &i in &self.distant {
+            let light = LightId(i);
             let pmf = ctx.map_or(0.0, |c| self.pick.pmf(c.p, i as usize));
             match &self.emitters[i as usize] {
                 &Emitter::Environment { radiance, visible_to_camera } => {
-                    found(radiance, visible_to_camera, ctx.map_or(0.0, |c| environment_pdf(c, d)) * pmf);
+                    found(
+                        light,
+                        radiance,
+                        visible_to_camera,
+                        ctx.map_or(0.0, |c| environment_pdf(c, d)) * pmf,
+                    );
                 }
                 Emitter::Panorama { map, visible_to_camera } => {
                     let pdf = if ctx.is_some() { map.pdf(d) } else { 0.0 };
-                    found(map.radiance(d), *visible_to_camera, pdf * pmf);
+                    found(light, map.radiance(d), *visible_to_camera, pdf * pmf);
                 }
                 // 1 - cos of the angle between unit vectors, from their chord.
                 &Emitter::Sun { towards, irradiance, one_minus_cos, visible_to_camera }
                     if 0.5 * (d - towards).length_squared() < one_minus_cos =>
                 {
                     let radiance = sun_radiance(irradiance, one_minus_cos);
-                    found(radiance, visible_to_camera, square_to_cone_pdf(one_minus_cos) * pmf);
+                    found(light, radiance, visible_to_camera, square_to_cone_pdf(one_minus_cos) * pmf);
                 }
                 _ => {}
             }
@@ -544,14 +564,14 @@ fn environment_pdf(ctx: &LightContext, wi: Vec3) -> f32 {
     }
 }
 
-/// A sample of a surface or of a free light with an extent.
+/// A sample of a surface or of a free light with an extent, which was chosen with a probability.
 fn surface(
     ctx: &LightContext,
+    (light, pmf): (LightId, f32),
     s: SurfaceSample,
     radiance: Rgb,
     both_sides: bool,
     spot: Option<&Spot>,
-    pmf: f32,
     target: PrimitiveId,
 ) -> Option<LightSample> {
     let wi = (s.p - ctx.p).try_normalize()?;
@@ -568,6 +588,7 @@ fn surface(
     let weight = planted!(light_energy(radiance)) * (factor / pdf);
     let unusable = rarely!(1e-5, !pdf.is_finite());
     (factor > 0.0 && !unusable).then_some(LightSample {
+        light,
         wi,
         weight,
         pdf,
@@ -578,7 +599,7 @@ fn surface(
     })
 }
 
-fn distant(ctx: &LightContext, wi: Vec3, weight: Rgb, pdf: f32, delta: bool) -> LightSample {
+fn distant(ctx: &LightContext, light: LightId, wi: Vec3, weight: Rgb, pdf: f32, delta: bool) -> LightSample {
     let shadow_ray = Ray::new(offset_origin(ctx.p, ctx.p_err, ctx.ng, wi), wi);
-    LightSample { wi, weight, pdf, delta, shadow_ray, target: PrimitiveId::NONE, cos: 1.0 }
+    LightSample { light, wi, weight, pdf, delta, shadow_ray, target: PrimitiveId::NONE, cos: 1.0 }
 }

@@ -41,6 +41,7 @@ struct Body {
     #[serde(default)]
     layer_noise: bool,
     transparent: bool,
+    cross: bool,
 }
 
 impl Part {
@@ -64,6 +65,7 @@ impl Part {
             layers: layout.layers,
             layer_noise: layout.layer_noise,
             transparent: layout.transparent,
+            cross: layout.cross,
         };
         // Strings, numbers and lists of them: nothing that JSON could not hold.
         let header = serde_json::to_vec(&Header { schema: SCHEMA.into(), body }).unwrap_or_default();
@@ -104,6 +106,7 @@ impl Part {
             layers: body.layers,
             layer_noise: body.layer_noise,
             transparent: body.transparent,
+            cross: body.cross,
         };
         let [x, y, width, height] = layout.crop;
         let inside = |at: u32, extent: u32, size: u32| at.checked_add(extent).is_some_and(|end| end <= size);

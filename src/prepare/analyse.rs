@@ -8,8 +8,8 @@
 
 use glam::Vec4;
 
-use super::algorithm::{Caustics, caustics};
-use super::choices::{casters, choices, unseen};
+use super::algorithm::{Caustics, Indirect, caustics, indirect};
+use super::choices::{ROULETTE_START, casters, choices, reuse, unseen};
 use super::fold::{Folded, Uses, fold, has_surface};
 use super::lights::{self, effect_of};
 use super::material::{self, Numbers};
@@ -59,7 +59,8 @@ impl Collector {
     }
 }
 
-/// Finds what the scene calls for, and chooses how it is rendered.
+/// Finds what the scene calls for, and chooses how it is rendered: what was not asked for, without looking how
+/// noisy the scene is.
 #[must_use]
 pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     let omitted = options.shortcuts.without;
@@ -74,14 +75,24 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
     let left_out = found.left_out();
     let needs: Vec<Need> = found.needs.into_iter().flatten().collect();
     let casters = casters(scene, &folded);
-    let caustics = if omitted.caustics { Caustics::Path } else { caustics(scene, &folded, options) };
+    let algorithms = &options.algorithms;
+    let caustics =
+        if omitted.caustics { Caustics::Path } else { caustics(scene, &folded, &casters, algorithms) };
+    let (indirect, why) = match indirect(scene, &folded, &options.algorithms) {
+        (Indirect::Photon, _) if omitted.indirect => (Indirect::Path, ASKED_FOR),
+        found => found,
+    };
     let pixels = u64::from(options.size[0]) * u64::from(options.size[1]);
     let mut plan = Plan {
-        choices: choices(scene, &folded, &casters, caustics, pixels),
+        choices: choices(scene, &folded, &casters, caustics, algorithms, pixels),
         needs,
         left_out,
         unseen: unseen(scene, &folded, &casters, caustics),
         caustics,
+        indirect,
+        light_samples: algorithms.light_samples.unwrap_or(1),
+        split: algorithms.split.unwrap_or(1),
+        roulette: algorithms.roulette.unwrap_or(ROULETTE_START),
         shortcuts: options.shortcuts_taken(),
         tables: Effects::default(),
         kernel: 0,
@@ -92,6 +103,9 @@ pub fn analyse(scene: &Scene, camera: &Camera, options: &Options) -> Plan {
         for choice in plan.choices.iter_mut().filter(|c| c.about == "caustics" && c.chosen != "none") {
             (choice.chosen, choice.reason) = ("none".to_owned(), ASKED_FOR.to_owned());
         }
+    }
+    if options.algorithms.indirect == Indirect::Photon {
+        plan.choices.push(reuse(indirect, why));
     }
     plan.run_by(options.effects, omitted.effects);
     plan

@@ -3,21 +3,93 @@
 //! A material throws light where one of its lobes has no spread, or where all of them are narrow. Flat objects with few faces are aimed at face
 //! by face, everything else by a ball around it.
 
-use glam::Vec3;
+use glam::{DVec3, Vec2, Vec3};
 
+use super::camera::CameraRays;
 use super::fold::Folded;
 use super::geometry::Flat;
 use super::material::{Numbers, darkest, has_coat, is_narrow};
+use crate::accel::{Accel, PrimitiveId, RayKind};
 use crate::bsdf::SMOOTH_ALPHA;
 use crate::light::{
-    Aim, LightSet, PhotonLights, Rectangle, Target, TargetShape, TriangleLight, from_triangles,
+    Aim, LightSet, PhotonLights, Rectangle, SphereLight, Target, TargetShape, TriangleLight, ball_around,
+    from_triangles,
 };
+use crate::math::{gamma, sqr};
 use crate::scene::{MaterialKind, Principled, ScalarTexture, Scene};
 
 /// Objects with more triangles than this are aimed at as one ball.
 const MOST_FACES: u32 = 32;
 
-/// Where photons start, and which materials throw them on.
+/// Photons: where they start, and which way.
+#[derive(Clone, Debug)]
+pub(crate) struct Photons {
+    /// Towards what throws light.
+    pub(crate) casting: Casting,
+    /// Towards everything.
+    pub(crate) everywhere: PhotonLights,
+    /// Radius of a ball around most of what is in view, metres.
+    pub(crate) view: f32,
+    /// Middle and radius of a ball around everything.
+    all: (DVec3, f64),
+}
+
+/// Rows and columns of the camera rays that tell what is in view.
+const LOOKS: u32 = 16;
+
+/// What is farther away than this many times the median of what is in view is not aimed at.
+const FAR: f32 = 4.0;
+
+impl Photons {
+    /// Beside a ball around everything (its middle and radius), photons are aimed at what is in view, or few of those of a sun
+    /// would meet it.
+    pub(super) fn new(
+        casting: Casting,
+        lights: &LightSet,
+        all: (DVec3, f64),
+        accel: &Accel,
+        camera: &CameraRays,
+        size: [u32; 2],
+    ) -> Self {
+        let everywhere = PhotonLights::new(lights, Aim::default(), all.1);
+        let mut photons = Self { casting, everywhere, view: 0.0, all };
+        photons.aim(lights, accel, camera, size);
+        photons
+    }
+
+    /// Aims those that go everywhere at what a camera sees.
+    pub(super) fn aim(&mut self, lights: &LightSet, accel: &Accel, camera: &CameraRays, size: [u32; 2]) {
+        let (middle, radius) = (self.all.0.as_vec3(), self.all.1);
+        let rounding = f64::from(middle.abs().max_element()) * f64::from(gamma(8));
+        // From inside of a target that holds everything, light leaves as it is emitted.
+        let all = (radius * 1.000_01 + rounding) as f32;
+        let mut targets = vec![Target::ball(middle, all, 1.0)];
+        let view = view(accel, camera, size).filter(|b| b.radius > 0.0 && b.radius < all);
+        // As many of those that are parallel go to both.
+        targets.extend(view.map(|b| Target::ball(b.center, b.radius, sqr(all / b.radius))));
+        self.view = view.map_or(all, |b| b.radius);
+        self.everywhere = PhotonLights::new(lights, Aim::new(targets), radius);
+    }
+}
+
+/// A ball around most of what the camera sees.
+fn view(accel: &Accel, camera: &CameraRays, size: [u32; 2]) -> Option<SphereLight> {
+    let mut seen = Vec::new();
+    for i in 0..LOOKS * LOOKS {
+        let at = |i: u32, n: u32| (u64::from(2 * i + 1) * u64::from(n) / u64::from(2 * LOOKS)) as u32;
+        let pixel = [at(i % LOOKS, size[0]), at(i / LOOKS, size[1])];
+        let ray = camera.ray(pixel, [0.5, 0.5], || Vec2::ZERO);
+        if let Some(hit) = accel.closest(&ray, PrimitiveId::NONE, RayKind::Camera) {
+            seen.push((hit.t, ray.at(hit.t)));
+        }
+    }
+    seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let far = FAR * seen.get(seen.len() / 2)?.0;
+    let near = seen.iter().filter(|(t, _)| *t <= far).map(|(_, p)| *p);
+    Some(ball_around(near))
+}
+
+/// Where photons start that are aimed at what throws light, and which materials throw them on.
 #[derive(Clone, Debug)]
 pub(crate) struct Casting {
     pub(crate) lights: PhotonLights,
@@ -39,7 +111,7 @@ impl Casting {
             if let Some(s) = strength[object.material.0 as usize] {
                 let mesh = &flat.meshes[place.mesh as usize];
                 let world = |p: &Vec3| place.to_world.transform_point3(p.as_dvec3()).as_vec3();
-                let ball = crate::light::ball_around(mesh.positions.iter().map(world));
+                let ball = ball_around(mesh.positions.iter().map(world));
                 targets.push(Target::ball(ball.center, ball.radius, s));
             }
         }
@@ -61,7 +133,7 @@ fn in_world(flat: &Flat, first: u32, count: u32, strength: f32, targets: &mut Ve
     }
     if count > MOST_FACES {
         let corners = (first..first + count).flat_map(|i| flat.world.vertices(i));
-        let ball = crate::light::ball_around(corners);
+        let ball = ball_around(corners);
         targets.push(Target::ball(ball.center, ball.radius, strength));
         return;
     }

@@ -50,7 +50,9 @@ pub(super) struct Flat {
     pub(super) primitives: usize,
     /// Of each object that is in the world: its first primitive and their number.
     pub(super) range: Vec<Option<(u32, u32)>>,
-    /// Radius of a sphere around everything, metres; zero for an empty scene.
+    /// Middle of a sphere around everything, world space.
+    pub(super) middle: DVec3,
+    /// Its radius, metres; zero for an empty scene.
     pub(super) radius: f64,
 }
 
@@ -133,7 +135,7 @@ pub(super) fn flatten(scene: &Scene, folded: &Folded<'_>, smooth: bool) -> Flat 
         flat.world.hidden = flat.attributes.object.iter().map(hidden).collect();
     }
     place_shared(scene, &shared, &mut flat, smooth);
-    flat.radius = radius(scene, &flat);
+    (flat.middle, flat.radius) = ball(scene, &flat);
     flat
 }
 
@@ -192,8 +194,8 @@ fn add_mesh(
     geometry.triangles.extend(mesh.triangles.iter().map(wind));
 }
 
-/// Radius of a sphere about the middle of the bounding box of everything.
-fn radius(scene: &Scene, flat: &Flat) -> f64 {
+/// Middle of the bounding box of everything, and radius of a sphere around it that holds the box.
+fn ball(scene: &Scene, flat: &Flat) -> (DVec3, f64) {
     let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut include = |p: DVec3| {
         lo = lo.min(p);
@@ -212,5 +214,5 @@ fn radius(scene: &Scene, flat: &Flat) -> f64 {
     for l in &scene.lights {
         include(l.transform.translation);
     }
-    if lo.x > hi.x { 0.0 } else { 0.5 * (hi - lo).length() }
+    if lo.x > hi.x { (DVec3::ZERO, 0.0) } else { (0.5 * (lo + hi), 0.5 * (hi - lo).length()) }
 }

@@ -1,5 +1,6 @@
 //! Collecting lights: emissive primitives, free lights and the environment.
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
@@ -12,12 +13,21 @@ use super::glow::Brightness;
 use super::plan::{Effect, Effects};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
+use crate::film::LIGHTS_APART;
 use crate::light::{
-    Ellipse, Emitter, Panorama, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight, from_triangles,
+    Ellipse, Emitter, LightId, Panorama, Rectangle, SphereLight, Spot, SpotCurve, TriangleLight,
+    from_triangles,
 };
 use crate::scene::{
     AreaShape, Environment, EnvironmentImage, Light, LightKind, Pixels, Scene, Sides, SpotFalloff, Texels,
 };
+
+/// Lights that are chosen together: the emissive primitives of one object, or one light.
+pub(super) struct Group {
+    /// What people call it.
+    pub(super) name: String,
+    pub(super) emitters: Vec<Emitter>,
+}
 
 /// Everything that emits and belongs to one of the effects in `tables`, in the order of objects, lights,
 /// environment; the primitives of an object are one group.
@@ -28,7 +38,7 @@ pub(super) fn collect(
     details: &Details,
     materials: &[PreparedMaterial],
     tables: Effects,
-) -> Vec<Vec<Emitter>> {
+) -> Vec<Group> {
     let mut groups = Vec::new();
     for (i, (object, range)) in scene.objects.iter().zip(&flat.range).enumerate() {
         let emission = folded.kinds[object.material.0 as usize].emission();
@@ -45,10 +55,13 @@ pub(super) fn collect(
             };
             let mut emitters = Vec::new();
             surfaces(flat, first, count, &nominal, sides == Sides::Both, &mut emitters);
-            groups.push(emitters);
+            groups.push(Group { name: format!("light {:?}", object.name), emitters });
         }
     }
-    groups.extend(scene.lights.iter().filter_map(free).map(|e| vec![e]));
+    groups.extend(scene.lights.iter().filter_map(|light| {
+        Some(Group { name: format!("light {:?}", light.name), emitters: vec![free(light)?] })
+    }));
+    let environment = |e| Group { name: "the environment".into(), emitters: vec![e] };
     if let Some(e) = &scene.environment
         && !e.radiance.is_black()
         && tables.has(Effect::Environment)
@@ -58,14 +71,53 @@ pub(super) fn collect(
             Some((image, pixels)) => {
                 let map = Panorama::new(Arc::clone(pixels), e.radiance, image.rotation);
                 if !map.is_black() {
-                    groups.push(vec![Emitter::Panorama { map: Arc::new(map), visible_to_camera }]);
+                    groups.push(environment(Emitter::Panorama { map: Arc::new(map), visible_to_camera }));
                 }
             }
-            None => groups.push(vec![Emitter::Environment { radiance: e.radiance, visible_to_camera }]),
+            None => {
+                groups.push(environment(Emitter::Environment { radiance: e.radiance, visible_to_camera }));
+            }
         }
     }
-    groups.retain(|g| g.first().is_some_and(|e| tables.has(effect_of(e))));
+    groups.retain(|g| g.emitters.first().is_some_and(|e| tables.has(effect_of(e))));
     groups
+}
+
+/// Which lights are told apart where photons are compared with paths.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Apart {
+    /// For each emitter its number, below [`LIGHTS_APART`].
+    of: Vec<u8>,
+    /// What people call each.
+    pub(crate) names: Vec<String>,
+}
+
+impl Apart {
+    /// The most powerful groups, and all others together; `scene_radius` is that of a ball around everything.
+    pub(super) fn new(groups: &[Group], scene_radius: f64) -> Self {
+        let power = |g: &Group| g.emitters.iter().map(|e| e.power(scene_radius)).sum::<f64>();
+        let mut order: Vec<(f64, usize)> = groups.iter().map(power).zip(0..).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut number = vec![0u8; groups.len()];
+        let mut names = Vec::new();
+        for (rank, &(_, group)) in order.iter().enumerate() {
+            number[group] = rank.min(LIGHTS_APART - 1) as u8;
+            match rank.cmp(&(LIGHTS_APART - 1)) {
+                Ordering::Less => names.push(groups[group].name.clone()),
+                Ordering::Equal if groups.len() == LIGHTS_APART => names.push(groups[group].name.clone()),
+                Ordering::Equal => names.push(format!("{} weaker lights", groups.len() - rank)),
+                Ordering::Greater => {}
+            }
+        }
+        let of = groups.iter().zip(&number).flat_map(|(g, &n)| std::iter::repeat_n(n, g.emitters.len()));
+        Self { of: of.collect(), names }
+    }
+
+    /// The number of a light.
+    #[inline]
+    pub(crate) fn number(&self, light: LightId) -> u8 {
+        self.of[light.0 as usize]
+    }
 }
 
 /// The effect that an emitter is a part of.
@@ -283,7 +335,7 @@ fn principal_axes(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
 /// The magnitude of radiance that the film is made for: the brightest emitter, where a point counts
 /// as seen from as far away as `camera` is: what a picture shows is not much nearer to it or farther from
 /// it than that, however large the scene may be. At least the smallest normal number.
-pub(super) fn brightest(groups: &[Vec<Emitter>], camera: DVec3, scene_radius: f64) -> f32 {
+pub(super) fn brightest(groups: &[Group], camera: DVec3, scene_radius: f64) -> f32 {
     let irradiance = |position: Vec3, intensity: Rgb| {
         let d = position.as_dvec3().distance(camera);
         // A light that the camera carries says nothing about the distance to what it lights.
@@ -301,5 +353,9 @@ pub(super) fn brightest(groups: &[Vec<Emitter>], camera: DVec3, scene_radius: f6
         Emitter::Sun { irradiance, .. } => *irradiance,
         Emitter::Point { position, intensity, .. } => irradiance(*position, *intensity),
     };
-    groups.iter().flatten().map(|e| radiance(e).max_channel()).fold(f32::MIN_POSITIVE, f32::max)
+    groups
+        .iter()
+        .flat_map(|g| &g.emitters)
+        .map(|e| radiance(e).max_channel())
+        .fold(f32::MIN_POSITIVE, f32::max)
 }

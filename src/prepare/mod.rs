@@ -33,11 +33,11 @@ mod texture;
 mod varying;
 
 pub use crate::bsdf::fresnel::Fresnel;
-pub use algorithm::{Algorithms, Caustics, CausticsMode};
+pub use algorithm::{Algorithms, Caustics, CausticsMode, Indirect, MOST_BRANCHES};
 pub use analyse::analyse;
 pub use camera::{CameraRays, Seen};
-pub(crate) use casters::Casting;
-pub use choices::ROULETTE_START;
+pub(crate) use casters::{Casting, Photons};
+pub use choices::{ABOUT, ROULETTE_START};
 pub(crate) use detail::Detail;
 pub use material::{Interior, PreparedMaterial};
 pub use nesting::{Inside, Medium};
@@ -163,8 +163,10 @@ pub struct Prepared {
     object_materials: Vec<u32>,
     /// Where bodies have an order.
     nesting: Option<nesting::Nesting>,
-    /// Where photons start, if there are any.
-    casting: Option<Box<Casting>>,
+    /// Which lights are told apart where photons are compared with paths.
+    pub(crate) apart: lights::Apart,
+    /// Where photons start, where they can.
+    photons: Option<Box<Photons>>,
 }
 
 /// Replications of a picture of this many pixels: independent sequences whose means give the error.
@@ -195,11 +197,7 @@ pub fn plan(scene: &Scene, options: &Options) -> Result<Plan, PrepareError> {
 /// # Errors
 /// As [`prepare`].
 pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<Prepared, PrepareError> {
-    let [width, height] = options.size;
-    let side = 1..=65_536;
-    if !side.contains(&width) || !side.contains(&height) || u64::from(width) * u64::from(height) > 1 << 28 {
-        return Err(PrepareError::Size { width, height });
-    }
+    check_size(options.size)?;
     options.check_shortcuts()?;
     let camera = camera_of(scene, options)?;
     let folded = fold::fold(scene, plan.tables);
@@ -214,16 +212,17 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
     let lengths = FixedPoint::around(flat.reach(camera) as f32);
     let radiance_format =
         FixedPoint::around(lights::brightest(&lights, camera.transform.translation, flat.radius));
+    let apart = lights::Apart::new(&lights, flat.radius);
     let cutouts = scene.objects.iter().any(|o| materials[o.material.0 as usize].cutout.is_some());
+    let lights = lights.into_iter().map(|g| g.emitters).collect();
     let lights = LightSet::new(lights, flat.primitives, flat.radius);
-    let casting =
-        (plan.caustics != Caustics::Path).then(|| Box::new(Casting::new(scene, &folded, &flat, &lights)));
+    let all = (flat.middle, flat.radius);
+    let casting = (flat.radius > 0.0 && algorithm::photons_can(scene, &folded))
+        .then(|| Casting::new(scene, &folded, &flat, &lights));
     let accel = Accel::new(flat.world, flat.meshes, &flat.placements);
     let start = start::medium(scene, &materials, nesting.as_ref(), camera.transform.translation);
-    let mut rays = CameraRays::new(camera, options.size);
-    if !plan.tables.has(Effect::Lens) {
-        rays = rays.pinhole();
-    }
+    let rays = rays(camera, options.size, &plan);
+    let photons = casting.map(|c| Box::new(Photons::new(c, &lights, all, &accel, &rays, options.size)));
     Ok(Prepared {
         #[cfg(epsilux_dummy_effect)]
         dummy: dummy::Dummy::asked().filter(|_| plan.tables.has(Effect::Dummy)),
@@ -246,11 +245,29 @@ pub fn prepare_planned(scene: &Scene, options: &Options, plan: Plan) -> Result<P
         cutouts,
         object_materials: scene.objects.iter().map(|o| o.material.0).collect(),
         nesting,
-        casting,
+        apart,
+        photons,
     })
 }
 
-fn camera_of<'a>(scene: &'a Scene, options: &Options) -> Result<&'a Camera, PrepareError> {
+fn check_size([width, height]: [u32; 2]) -> Result<(), PrepareError> {
+    let side = 1..=65_536;
+    if !side.contains(&width) || !side.contains(&height) || u64::from(width) * u64::from(height) > 1 << 28 {
+        return Err(PrepareError::Size { width, height });
+    }
+    Ok(())
+}
+
+fn rays(camera: &Camera, size: [u32; 2], plan: &Plan) -> CameraRays {
+    let rays = CameraRays::new(camera, size);
+    if plan.tables.has(Effect::Lens) { rays } else { rays.pinhole() }
+}
+
+/// The camera that options ask for.
+///
+/// # Errors
+/// Where there is none.
+pub fn camera_of<'a>(scene: &'a Scene, options: &Options) -> Result<&'a Camera, PrepareError> {
     match &options.camera {
         None => scene.cameras.first().ok_or(PrepareError::NoCamera),
         Some(name) => scene.cameras.iter().find(|c| c.name == *name).ok_or_else(|| {
@@ -268,6 +285,26 @@ impl Prepared {
         start::around(scene, &self.materials, p)
     }
 
+    /// Turns this into what `scene`, which it was prepared from, is for a plan with other choices and a picture of
+    /// another size and seed. Tables and kernel stay.
+    ///
+    /// # Errors
+    /// As [`prepare`].
+    pub(crate) fn revise(
+        &mut self,
+        scene: &Scene,
+        options: &Options,
+        plan: Plan,
+    ) -> Result<(), PrepareError> {
+        check_size(options.size)?;
+        self.camera = rays(camera_of(scene, options)?, options.size, &plan);
+        (self.size, self.seed, self.plan) = (options.size, options.seed, plan);
+        if let Some(photons) = &mut self.photons {
+            photons.aim(&self.lights, &self.accel, &self.camera, self.size);
+        }
+        Ok(())
+    }
+
     /// What a kernel simulates: its set, or for the one that looks at run time what the plan says.
     #[inline(always)]
     pub(crate) fn simulated<const FX: u32>(&self) -> Effects {
@@ -281,10 +318,29 @@ impl Prepared {
         self.object_materials[object as usize]
     }
 
-    /// Where photons start; `None` where the plan has none.
+    /// Where photons start that find caustics; `None` where the plan has none.
     #[inline]
     #[must_use]
     pub(crate) fn casting(&self) -> Option<&Casting> {
-        self.casting.as_deref()
+        self.photons.as_deref().filter(|_| self.plan.caustics != Caustics::Path).map(|p| &p.casting)
+    }
+
+    /// Where photons start that say beside the paths how much light there is; `None` where no light can be traced, or
+    /// where it would not say what the picture shows.
+    pub(crate) fn second(&self) -> Option<&Photons> {
+        self.photons().filter(|_| !self.kept.clamps())
+    }
+
+    /// Where photons start; `None` where no light can be traced.
+    #[inline]
+    #[must_use]
+    pub(crate) fn photons(&self) -> Option<&Photons> {
+        self.photons.as_deref()
+    }
+
+    /// What people call the lights that [`Doubt::LightNotFound`](crate::film::Doubt::LightNotFound) tells apart.
+    #[must_use]
+    pub fn lights_apart(&self) -> &[String] {
+        &self.apart.names
     }
 }

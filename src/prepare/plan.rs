@@ -6,7 +6,7 @@
 //! whatever kernel runs; pruning (kernels, tables) changes nothing: a test compares bytes.
 
 use super::EffectsMode;
-use super::algorithm::Caustics;
+use super::algorithm::{Algorithms, Caustics, CausticsMode, Indirect};
 use super::shortcuts::Shortcut;
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
@@ -274,8 +274,16 @@ pub struct Plan {
     pub replications: u32,
     /// How caustics are found.
     pub caustics: Caustics,
+    /// How indirect light is found.
+    pub indirect: Indirect,
     /// What is left out or approximated on purpose.
     pub shortcuts: Vec<Shortcut>,
+    /// Samples of lights at the first vertex that spreads light, at least one.
+    pub light_samples: u32,
+    /// Branches of a path where the first thing that the camera sees is a mirror or clear glass, at least one.
+    pub split: u32,
+    /// Scattering events before roulette starts.
+    pub roulette: u32,
 }
 
 impl Plan {
@@ -285,11 +293,38 @@ impl Plan {
         Effects(self.needs.iter().fold(0, |bits, n| bits | 1 << n.effect as u8))
     }
 
+    /// What asks for the choices of this plan, so that none is left to a pilot.
+    #[must_use]
+    pub fn algorithms(&self) -> Algorithms {
+        let (caustics, unbiased) = match self.caustics {
+            Caustics::Path => (CausticsMode::Path, false),
+            Caustics::Traced => (CausticsMode::Photon, true),
+            Caustics::Photon => (CausticsMode::Photon, false),
+        };
+        Algorithms {
+            caustics,
+            unbiased,
+            indirect: self.indirect,
+            light_samples: Some(self.light_samples),
+            split: Some(self.split),
+            roulette: Some(self.roulette),
+        }
+    }
+
     /// The kernel that runs.
     #[must_use]
     pub fn kernel(&self) -> KernelSet {
         let exact = || KernelSet { name: "exact", simulates: self.effects() };
         KERNELS.get(self.kernel).copied().unwrap_or_else(exact)
+    }
+
+    /// Gives a decision another reason, or adds it.
+    pub fn explain(&mut self, about: &'static str, chosen: impl Into<String>, reason: impl Into<String>) {
+        let choice = Choice { about, chosen: chosen.into(), reason: reason.into() };
+        match self.choices.iter_mut().find(|c| c.about == about) {
+            Some(known) => *known = choice,
+            None => self.choices.push(choice),
+        }
     }
 
     /// The plan that simulates one effect less: the picture then lacks light that the scene calls for.

@@ -322,6 +322,11 @@ impl Kept {
         if way.events > 1 && brightest > self.most { light * (self.most / brightest) } else { light }
     }
 
+    /// Whether bright contributions are cut, so that what a way brings on average is not known.
+    pub(crate) fn clamps(&self) -> bool {
+        self.most < f32::INFINITY
+    }
+
     /// Whether nothing counts that is spread once more after it was spread `before` times.
     #[inline(always)]
     pub(crate) fn ends_after(&self, before: u32) -> bool {

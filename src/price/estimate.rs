@@ -10,8 +10,9 @@
 //! (jackknife).
 //!
 //! R may not come from the runs that it divides: a pixel that a rare bright sample has hit would shrink its own error.
-//! So the runs fall into two halves, and each is divided by the other's R; and R is the mean over a block of pixels, or
-//! those that no such sample has hit yet would seem dark.
+//! So the runs fall into two halves, and each is divided by the other's R. That is drawn from the pixel's own mean towards
+//! that of its block as far as their difference is noise (James and Stein, 1961), or pixels that no such sample has hit yet
+//! would seem dark.
 //!
 //! *Until when.* After n samples the full render has the squared error v / n. The short one, with the share w of its
 //! work, takes n / w samples in the same time and has the squared error B^2 + v' w / n. It is the better choice while
@@ -26,7 +27,7 @@ const T: f64 = 2.131_449_545_559_323;
 /// Share of the mean luminance that is added to what errors are divided by.
 const FLOOR: f64 = 0.1;
 
-/// Side of the blocks of pixels that R is averaged over.
+/// Side of the blocks of pixels whose means R is drawn to.
 const BLOCK: usize = 4;
 
 /// A figure, and its 95 % interval.
@@ -128,21 +129,45 @@ fn half(full: &[Vec<f64>], short: &[Vec<f64>], first: usize) -> Vec<Sums> {
     sums
 }
 
-/// 1 / (R^2 + c^2) for each pixel of a picture of some width, R being the mean of the full picture over its block.
+/// Of the pixels of a block: their number, the sums of their means and of the squares of those, and the sum of the
+/// variances of those means.
+#[derive(Clone, Copy, Default)]
+struct Block {
+    pixels: f64,
+    sum: f64,
+    squares: f64,
+    noise: f64,
+}
+
+impl Block {
+    /// What the mean of a pixel becomes.
+    fn draw(&self, mean: f64) -> f64 {
+        let middle = self.sum / self.pixels;
+        let spread = variance([self.sum, self.squares], self.pixels);
+        let noise = self.noise / self.pixels;
+        // A block of one pixel has no spread that could be told from noise.
+        let own = if spread > noise { 1.0 - noise / spread } else { 0.0 };
+        middle + own * (mean - middle)
+    }
+}
+
+/// 1 / (R^2 + c^2) for each pixel of a picture of some width, from the sums over some runs.
 fn weights(sums: &[Sums], runs: f64, width: usize, c: f64) -> Vec<f64> {
     let columns = width.div_ceil(BLOCK);
     let block = |pixel: usize| pixel / width / BLOCK * columns + pixel % width / BLOCK;
-    let mut blocks = vec![(0.0, 0.0); block(sums.len() - 1) + 1];
+    let mut blocks = vec![Block::default(); sums.len().div_ceil(width).div_ceil(BLOCK) * columns];
     for (pixel, s) in sums.iter().enumerate() {
-        let (sum, count) = &mut blocks[block(pixel)];
-        *sum += s.full[0];
-        *count += runs;
+        let (block, mean) = (&mut blocks[block(pixel)], s.full[0] / runs);
+        block.pixels += 1.0;
+        block.sum += mean;
+        block.squares += mean * mean;
+        block.noise += variance(s.full, runs) / runs;
     }
-    let weight = |pixel: usize| {
-        let (sum, count) = blocks[block(pixel)];
-        1.0 / ((sum / count) * (sum / count) + c * c)
+    let weight = |(pixel, s): (usize, &Sums)| {
+        let r = blocks[block(pixel)].draw(s.full[0] / runs);
+        1.0 / (r * r + c * c)
     };
-    (0..sums.len()).map(weight).collect()
+    sums.iter().enumerate().map(weight).collect()
 }
 
 impl Paired {

@@ -6,6 +6,9 @@
 //! of each other, and give the intervals. Their seeds have a domain of their own, so that a picture and its price
 //! share no noise.
 //!
+//! No pilot runs: both are rendered with the choices that were asked for, or that hold without one. So a price does not
+//! depend on how many samples the picture takes.
+//!
 //! Work is counted in rays, and the runs are of fixed size, so that prices are a function of scene, settings and
 //! nothing else, and may stand in a picture. Seconds are measured beside them, for people.
 //!
@@ -73,8 +76,7 @@ pub struct Price {
     /// The same of each part of the light, relative to all light of the full picture; they add up to `bias`.
     pub layers: Vec<(LightLayer, Estimate)>,
     /// The root of the mean over pixels of (B - R)^2 / (R^2 + c^2), B being what the short picture converges to, R what
-    /// the full one does, in the denominator over blocks of 4x4 pixels, and c a tenth of the mean of R: as the error of a
-    /// picture, but of bias alone.
+    /// the full one does, and c a tenth of the mean of R: as the error of a picture, but of bias alone.
     pub error: Estimate,
     /// Rays of the short render over those of the full one, for as many samples.
     pub work: f64,

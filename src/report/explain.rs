@@ -234,7 +234,11 @@ mod tests {
             kernel: 1,
             replications: 4,
             caustics: Caustics::Path,
+            indirect: crate::prepare::Indirect::Path,
             shortcuts: Vec::new(),
+            light_samples: 1,
+            split: 1,
+            roulette: 4,
         };
         let explanation = Explanation::new(&plan, &notes);
         insta::assert_snapshot!(explanation.to_string(), @r#"

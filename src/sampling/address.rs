@@ -30,6 +30,18 @@ pub enum Purpose {
     Photon = 6,
 }
 
+/// What a photon is for. Append only, as [`Purpose`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u64)]
+pub enum PhotonUse {
+    /// Caustics.
+    Caustics = 0x7068_6f74_6f6e_7321,
+    /// Saying beside the paths how much light there is.
+    Second = 0x7365_636f_6e64_2121,
+    /// Light that is reused where paths are spread for the second time.
+    Indirect = 0x696e_6469_7265_6374,
+}
+
 /// Where in the computation a sample is: a pure function of (seed, pixel, replication, index).
 ///
 /// Each address, completed by (depth, purpose, branch, k), names a padded four-dimensional block of
@@ -50,12 +62,12 @@ impl Address {
         Self { key: mix64(key ^ (u64::from(planted!(same_seed(replication))) << 32 | 0x7265_706c)), index }
     }
 
-    /// The address of a photon of a pass, in a domain of its own: the photons of a pass are one
-    /// low-discrepancy sequence, and passes are independent.
+    /// The address of a photon in a domain of its own: the photons of one use and sequence (a pass, where passes are
+    /// to be independent) are one low-discrepancy sequence, and others are independent of it.
     #[must_use]
-    pub fn photon(seed: u64, pass: u32, photon: u32) -> Self {
-        let key = mix64(mix64(seed ^ 0x6570_7369_6c75_7821) ^ 0x7068_6f74_6f6e_7321);
-        Self { key: mix64(key ^ u64::from(pass)), index: photon }
+    pub fn photon(seed: u64, of: PhotonUse, sequence: u32, index: u32) -> Self {
+        let key = mix64(mix64(seed ^ 0x6570_7369_6c75_7821) ^ of as u64);
+        Self { key: mix64(key ^ u64::from(sequence)), index }
     }
 
     /// Branch `j` of `m` of a split path: each branch is a sample of a sequence m times as dense.

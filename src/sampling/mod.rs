@@ -12,6 +12,6 @@ mod sobol;
 pub mod warp;
 
 pub(crate) use address::unit_f32;
-pub use address::{Address, Purpose, Stream};
+pub use address::{Address, PhotonUse, Purpose, Stream};
 pub use distribution::Discrete;
 pub use piecewise::{Cell, Grid};

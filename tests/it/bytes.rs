@@ -236,7 +236,7 @@ fn rays_and_light_belong_to_layers() {
 
 /// A scene whose caustics are found by photons.
 fn with_photons(scene: &Scene, effects: EffectsMode, unbiased: bool) -> Prepared {
-    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased };
+    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased, ..Algorithms::PATHS };
     prepare(scene, &Options { effects, algorithms, ..options(SIZE, seed("photons"), None) })
         .expect("a camera")
 }
@@ -490,4 +490,65 @@ fn constant_textures_are_numbers() {
     let simulated = |plan: &Plan| (plan.needs.clone(), plan.tables, plan.kernel, plan.choices.clone());
     assert_eq!(simulated(&a.plan), simulated(&b.plan));
     check_equal(&picture(&a, &passes()), &picture(&b, &passes()), "constant textures");
+}
+
+/// Guards that choices take more rays where they apply and nowhere else, and that pictures by them are functions of
+/// the scene too: threads, kernels and powers of two change no byte, and a sample can be traced alone.
+#[test]
+fn choices_are_functions_of_the_scene() {
+    let by = |scene: &Scene, effects, algorithms| {
+        prepare(scene, &Options { effects, algorithms, ..options(SIZE, seed("choices"), Some(6)) })
+            .expect("a camera")
+    };
+    let film = |prepared: &Prepared, threads| {
+        let options = RenderOptions { threads, features: false, ..passes() };
+        let outcome = render(prepared, &options, &Quiet).expect("passes");
+        assert_eq!(outcome.film.refused_total(), 0, "{:?}", outcome.bad);
+        (outcome.film, outcome.counters.rays)
+    };
+    let split = Algorithms { split: Some(4), ..Algorithms::PATHS };
+    let lights = Algorithms { light_samples: Some(4), ..Algorithms::PATHS };
+    for (name, splits) in [("hexroom", true), ("hexroom-diffuse", false)] {
+        let rays = |algorithms| film(&by(&file(name), EffectsMode::Auto, algorithms), 1).1;
+        let base = rays(Algorithms::PATHS);
+        assert_eq!(rays(split) > base, splits, "{name}");
+        assert!(rays(lights) > base, "{name}");
+    }
+    let all = Algorithms { light_samples: Some(3), roulette: Some(2), ..split };
+    let mut scenes: Vec<_> = files().collect();
+    scenes.push(("everything".into(), valid(&features::everything())));
+    scenes.push(("everything textured".into(), valid(&textured::everything_textured())));
+    for (name, scene) in scenes {
+        let planned = by(&scene, EffectsMode::Auto, all);
+        let (one, rays) = film(&planned, 1);
+        assert!(film(&planned, 3) == (one.clone(), rays), "{name}: threads");
+        for effects in [EffectsMode::All, EffectsMode::Exact] {
+            assert!(film(&by(&scene, effects, all), 2) == (one.clone(), rays), "{name}: {effects:?}");
+        }
+        let pixel = [SIZE[0] / 2, SIZE[1] / 2];
+        let sum = (0..8).map(|pass| f64::from(replay(&planned, pixel, pass).radiance.g)).sum::<f64>();
+        let mean = f64::from(one.to_image().rgb[(pixel[1] * SIZE[0] + pixel[0]) as usize].g);
+        assert!((sum / 8.0 - mean).abs() <= 1e-6 * mean, "{name}: alone");
+    }
+    let twice = by(&scaled(&file("hexroom"), 3), EffectsMode::Auto, all);
+    let once = by(&file("hexroom"), EffectsMode::Auto, all);
+    assert!(film(&twice, 1).0.to_image().rgb == film(&once, 1).0.to_image().rgb, "scaled");
+}
+
+/// Guards renders of some pixels: each is as in the whole picture, with photons too, and the others are empty.
+#[test]
+fn some_pixels_are_those_of_all() {
+    for name in ["cornell", "caustic"] {
+        let algorithms = Algorithms { caustics: CausticsMode::Photon, ..Algorithms::PATHS };
+        let options = Options { algorithms, ..options(SIZE, seed("some pixels"), None) };
+        let scene = prepare(&file(name), &options).expect("a camera");
+        let plain = || RenderOptions { features: false, ..passes() };
+        let all = picture(&scene, &plain());
+        let some = picture(&scene, &RenderOptions { every: 7, ..plain() });
+        let count = some.count.as_ref().expect("counted");
+        let rendered: Vec<usize> = (0..count.len()).filter(|&i| count[i] > 0).collect();
+        assert_eq!(rendered.len(), (SIZE[0] * SIZE[1]) as usize / 7, "{name}");
+        assert!(rendered.iter().all(|&i| some.rgb[i] == all.rgb[i]), "{name}");
+        assert!((0..count.len()).all(|i| count[i] > 0 || some.rgb[i] == Rgb::BLACK), "{name}");
+    }
 }

@@ -13,6 +13,7 @@ fn help_teaches() {
         "info",
         "convert",
         "compare",
+        "quote",
         "check",
         "cost",
         "golden",

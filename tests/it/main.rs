@@ -17,6 +17,7 @@ mod hostile;
 mod mistakes;
 mod parts;
 mod pruning;
+mod quote;
 mod render;
 mod roundtrip;
 mod shortcuts;

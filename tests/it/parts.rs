@@ -162,3 +162,19 @@ fn an_error_can_be_asked_for() {
     let said = folder.run("render room.toml --error 120% -o e.png");
     assert_eq!(said.code, Some(2));
 }
+
+/// A render goes on by the choices that it began with, whatever a plan would now say; who asks for others is refused.
+#[test]
+fn renders_go_on_by_their_own_choices() {
+    let folder = Folder::with_room();
+    let flags = "--algorithm light-samples=3 --algorithm split=2 --algorithm roulette=2";
+    folder.done(&format!("render room.toml --spp 16 {SMALL} {flags} -o whole.exr -o whole.png"));
+    let expected = ["whole.exr", "whole.png"].map(|name| folder.read(name));
+    folder.done(&format!("render room.toml --spp 8 {SMALL} {flags} -o r.exr --checkpoint r.part"));
+    let said = folder
+        .run(&format!("render room.toml --spp 16 {SMALL} --algorithm split=3 -o r.exr --checkpoint r.part"));
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("split is 2 in one and 3 in the other"), "{}", said.err);
+    folder.done(&format!("render room.toml --spp 16 {SMALL} -o r.exr -o r.png --checkpoint r.part"));
+    same(&folder, "r", &expected);
+}

@@ -198,7 +198,7 @@ fn everything_at_once() {
 }
 
 fn photons(unbiased: bool) -> Algorithms {
-    Algorithms { caustics: CausticsMode::Photon, unbiased }
+    Algorithms { caustics: CausticsMode::Photon, unbiased, ..Algorithms::PATHS }
 }
 
 /// Guards lights that paths cannot find at all: they give what the same light gives that is a little wide.

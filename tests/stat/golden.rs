@@ -45,6 +45,7 @@ fn guard(name: &str, text: &str, side: u32, more: &str) -> Result<Golden, Record
         size: entry.size,
         spp: entry.spp,
         max_depth: scene.settings.max_depth,
+        caustics: entry.caustics,
     };
     let subject = Subject { scene, settings };
     let reference = record(&entry, &subject, FEWEST_RUNS as u32, "test", &watch())?;

@@ -102,7 +102,7 @@ fn without_caustics_lacks_their_layer() {
     }
     assert!(path.error.interval[0] > 0.0 && path.variance < 1.0, "{path:?}");
     assert!(matches!(path.better, Better::Until(_)), "{:?}", path.better);
-    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased: false };
+    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased: false, ..Algorithms::PATHS };
     let photon = prices(&scene, &Options { algorithms, ..base }, &[CAUSTICS], 16).remove(0);
     near("by photons", photon.bias, -share, error + 0.03 * share / FAR, 0.3 * share);
     assert!(photon.work < 0.95, "photons are not traced: {}", photon.work);
@@ -164,7 +164,7 @@ fn the_picture_is_linear_in_the_gain() {
     for (caustics, unbiased) in
         [(CausticsMode::Path, false), (CausticsMode::Photon, false), (CausticsMode::Photon, true)]
     {
-        let algorithms = Algorithms { caustics, unbiased };
+        let algorithms = Algorithms { caustics, unbiased, ..Algorithms::PATHS };
         let base = Options { algorithms, ..options(SIZE, seed("gain"), None) };
         let gains = [INDIRECT, Shortcut::IndirectGain(2.0), Shortcut::IndirectGain(4.0)];
         let [without, twice, four] = <[Price; 3]>::try_from(prices(&scene, &base, &gains, 4)).expect("three");

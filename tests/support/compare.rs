@@ -87,7 +87,8 @@ impl Pair<'_> {
         self.judge(&outcome.film.to_image(), &slow)
     }
 
-    fn judge(&self, fast: &Image, slow: &Image) -> Result<String, String> {
+    /// Whether the second picture is what the first one is, up to noise.
+    pub(crate) fn judge(&self, fast: &Image, slow: &Image) -> Result<String, String> {
         let [w, h] = self.size;
         let [columns, rows] = self.tiles;
         let mut parts = vec![[0, 0, w, h]];

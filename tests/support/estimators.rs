@@ -97,10 +97,11 @@ impl Estimators<'_> {
     /// Renders by both; the figures where they agree, the figures and what is wrong where not.
     pub(crate) fn compare(&self) -> Result<String, String> {
         let base = options(self.size, seed(self.name), self.max_depth);
-        let photon = Algorithms { caustics: CausticsMode::Photon, unbiased: self.unbiased };
+        let photon =
+            Algorithms { caustics: CausticsMode::Photon, unbiased: self.unbiased, ..Algorithms::PATHS };
         let plan = if self.unbiased { Caustics::Traced } else { Caustics::Photon };
         let a = means(self.scene, &base, photon, self.runs, self.samples[0], plan);
-        let path = Algorithms::default();
+        let path = Algorithms::PATHS;
         let b = means(self.scene, &base, path, self.runs, self.samples[1], Caustics::Path);
         judge(self.name, &a, &b, self.bound, self.bias)
     }

@@ -16,7 +16,7 @@ use super::scenes::Probe;
 /// Options for a picture of `size`, everything else as usual.
 pub(crate) fn options(size: [u32; 2], seed: u64, max_depth: Option<u32>) -> Options {
     let effects = EffectsMode::Auto;
-    let algorithms = Algorithms::default();
+    let algorithms = Algorithms::PATHS;
     let shortcuts = Shortcuts::default();
     Options { camera: None, size, seed, effects, max_depth, shortcuts, transparent: false, algorithms }
 }

@@ -1,6 +1,7 @@
 //! Repository chores: `cargo xtask --help` lists them; each is a subcommand in a file of its own.
 
 mod blender;
+mod calibrate;
 mod cost;
 mod gltf;
 mod golden;
@@ -25,6 +26,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Chore {
     Blender(blender::Arguments),
+    Calibrate(calibrate::Arguments),
     Cost(cost::Arguments),
     GltfValidate(gltf::Arguments),
     Golden(golden::Arguments),
@@ -37,6 +39,7 @@ enum Chore {
 fn main() -> ExitCode {
     let done = match Arguments::parse().chore {
         Chore::Blender(arguments) => blender::run(&arguments),
+        Chore::Calibrate(arguments) => calibrate::run(&arguments),
         Chore::Cost(arguments) => cost::run(&arguments),
         Chore::GltfValidate(arguments) => gltf::run(&arguments),
         Chore::Golden(arguments) => golden::run(&arguments),

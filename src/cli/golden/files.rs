@@ -90,6 +90,7 @@ impl Guarded {
             size: self.entry.size,
             spp: self.entry.spp,
             max_depth: self.entry.max_depth.or(scene.settings.max_depth),
+            caustics: self.entry.caustics,
         };
         Ok(Subject { scene, settings })
     }

@@ -9,7 +9,9 @@ use glam::Vec3;
 use super::trace::{Photon, cosine_ratio};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
+use crate::film::LIGHT_CLASSES;
 use crate::integrate::li::interior;
+use crate::integrate::path::Counters;
 use crate::integrate::scatter;
 use crate::light::LightContext;
 use crate::math::INV_PI;
@@ -46,6 +48,19 @@ pub(in crate::integrate) struct PhotonMap {
     /// Axis along which each photon splits its range.
     axes: Vec<u8>,
     scale: Scale,
+    /// Radius in the first pass, metres, where it is the same everywhere.
+    fixed: Option<f32>,
+}
+
+/// Where photons are gathered.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrate) struct Place {
+    /// Events that the path to the point had.
+    pub(in crate::integrate) depth: u32,
+    /// Whether one of them had a spread.
+    pub(in crate::integrate) spread: bool,
+    /// Whether photons count whose way is S+ (D S+)*.
+    pub(in crate::integrate) linked: bool,
 }
 
 /// What radii follow from.
@@ -53,6 +68,8 @@ pub(in crate::integrate) struct PhotonMap {
 pub(super) struct Scale {
     /// Factor in this pass.
     pub(super) factor: f32,
+    /// Width of a pixel, in those of the picture.
+    pub(super) pixel: f32,
     /// The least distance from the camera that they are proportional to, metres.
     pub(super) nearest: f32,
     /// Radius of the smallest thing that throws light, metres.
@@ -61,23 +78,31 @@ pub(super) struct Scale {
 
 /// The factor on the radius in a pass, counted from zero: sqrt(prod (j + a) / (j + 1)) over j = 1 .. pass.
 pub(super) fn radius_scale(pass: u32) -> f32 {
-    let step = |j: u32| (f64::from(j) + ALPHA) / (f64::from(j) + 1.0);
-    (1..=pass).map(step).product::<f64>().sqrt() as f32
+    (1..=pass).map(shrink).product::<f64>().sqrt() as f32
+}
+
+/// The factor from the square of the radius in the pass before to that in pass j, from one on.
+pub(super) fn shrink(j: u32) -> f64 {
+    (f64::from(j) + ALPHA) / (f64::from(j) + 1.0)
 }
 
 impl PhotonMap {
-    pub(super) fn new(photons: Vec<Photon>, scale: Scale) -> Self {
+    /// Where `fixed` is not given, the radius follows from the pixel.
+    pub(super) fn new(photons: Vec<Photon>, scale: Scale, fixed: Option<f32>) -> Self {
         let mut order: Vec<(Vec3, u32)> = photons.iter().zip(0..).map(|(p, i)| (p.p, i)).collect();
         let mut axes = vec![0; order.len()];
         split(&mut order, &mut axes);
         let (places, photons) = order.into_iter().map(|(p, i)| (p, photons[i as usize])).unzip();
-        Self { photons, places, axes, scale }
+        Self { photons, places, axes, scale, fixed }
     }
 
     /// The radius of the disk around `p`; `spread` says whether light has been spread on its way from there.
     fn radius(&self, scene: &Prepared, p: Vec3, spread: bool) -> f32 {
-        let Scale { factor, nearest, smallest } = self.scale;
-        let pixel = scene.camera.footprint(p, nearest);
+        let Scale { factor, pixel, nearest, smallest } = self.scale;
+        if let Some(radius) = self.fixed {
+            return radius * factor;
+        }
+        let pixel = pixel * scene.camera.footprint(p, nearest);
         let width = if spread { RADIUS_SPREAD } else { RADIUS };
         (width * pixel).min(RADIUS_OF_TARGET * smallest).max(RADIUS_LEAST * pixel) * factor
     }
@@ -136,26 +161,31 @@ fn split(order: &mut [(Vec3, u32)], axes: &mut [u8]) {
     split(&mut right[1..], &mut right_axes[1..]);
 }
 
-/// Radiance that a surface makes of the photons around a point of it: their power, weighed by Epanechnikov's
-/// kernel over the disk. `place` says how many events the path to
-/// the point had, and whether one had a spread; `media` are those on the side of the surface that is seen, and on the other.
+/// Radiance that a surface makes of the photons around a point of it, by the class of light that they bring: their
+/// power, weighed by Epanechnikov's kernel over the disk. `media` are those on the side of the surface that is seen,
+/// and on the other.
 #[inline(never)]
-pub(in crate::integrate) fn caustics_at(
+pub(in crate::integrate) fn gathered(
     scene: &Prepared,
     map: &PhotonMap,
     bsdf: &Bsdf,
     frame: &scatter::Frame,
     context: &LightContext,
     media: [Medium; 2],
-    (depth, spread): (u32, bool),
-) -> Rgb {
-    let r = map.radius(scene, context.p, spread);
+    place: Place,
+    counters: &mut Counters,
+) -> [Rgb; LIGHT_CLASSES] {
+    let r = map.radius(scene, context.p, place.spread);
     let inv_r2 = 1.0 / (r * r);
     // Events that a photon may have had, so that the whole path keeps the cap.
-    let most = scene.max_depth.map_or(u32::MAX, |cap| cap.saturating_sub(depth + 1));
-    let mut sum = Rgb::BLACK;
+    let most = scene.max_depth.map_or(u32::MAX, |cap| cap.saturating_sub(place.depth + 1));
+    let mut sums = [Rgb::BLACK; LIGHT_CLASSES];
     map.within(context.p, r, &mut |photon, d2| {
-        if photon.ng.dot(context.ng) < SAME_SURFACE || photon.bounces > most {
+        counters.gathered += 1;
+        if photon.ng.dot(context.ng) < SAME_SURFACE
+            || photon.bounces > most
+            || (photon.linked && !place.linked)
+        {
             return;
         }
         let value = scatter::f_and_pdf(scene.simulates, bsdf, frame, photon.wi, Transport::Radiance);
@@ -166,9 +196,9 @@ pub(in crate::integrate) fn caustics_at(
         {
             light *= interior(scene, medium, photon.inside);
         }
-        sum += light;
+        sums[usize::from(photon.class)] += light;
     });
-    sum * (2.0 * INV_PI * inv_r2)
+    sums.map(|sum| sum * (2.0 * INV_PI * inv_r2))
 }
 
 #[cfg(test)]
@@ -190,6 +220,8 @@ mod tests {
             power: Rgb::grey(i as f32),
             inside: 0.0,
             bounces: 1,
+            class: 1,
+            linked: true,
         };
         (0..n).map(photon).collect()
     }
@@ -199,7 +231,8 @@ mod tests {
     fn the_tree_finds_what_is_there() {
         for n in [0, 1, 8, 9, 17, 1000, 4097] {
             let all = photons(n);
-            let map = PhotonMap::new(all.clone(), Scale { factor: 1.0, nearest: 1.0, smallest: 1.0 });
+            let scale = Scale { factor: 1.0, pixel: 1.0, nearest: 1.0, smallest: 1.0 };
+            let map = PhotonMap::new(all.clone(), scale, None);
             for (i, r) in [(3u64, 0.05f32), (10, 0.3), (77, 0.0), (5, 2.0)] {
                 let p = photons(i + 1)[i as usize].p;
                 let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! Caustics by photons from the lights.
+//! Photons from the lights: caustics by them, and a second opinion on all light.
 //!
 //! A caustic is `E (D|S)* D S+ L` in Heckbert's notation: from the eye E to the light L, where S is an event
 //! without spread, and D any other. Paths from the camera find it only by chance; where the plan says so they
@@ -13,22 +13,36 @@
 //!   Mapping: A Probabilistic Approach", TOG 2011), so that passes know nothing of each other and can be
 //!   made anywhere in any order. The bias vanishes as passes are added.
 //!
+//! *Indirect light*, where the plan asks for it: other photons go any way, (D|S)*, and a path that is to be spread for
+//! the second time, at D2 in `E S* D1 S* D2 .. L`, gathers those around D2 that had an event, and ends: its direct light at D2 is
+//! sampled as ever, and what the first vertex shows is gathered over whole paths ("final gathering"; Jensen). The
+//! radius is the same everywhere, and shrinks from pass to pass in the same way. Photons that are caustics to a map above, or were
+//! seen as such by the camera, do not count: every way still belongs to one estimator.
+//!
+//! Photons also say, beside the paths, how much light there is: [`second`].
+//!
 //! The photons of a pass are a pure function of scene, seed and pass. A photon stands for the same
 //! events as the path from the camera that runs the other way: one definition of what a surface does, that for
 //! light towards the camera, serves both, and photons use its adjoint ([`trace`]).
 
 mod map;
+mod second;
 mod splat;
 mod trace;
 
-pub(super) use map::{PhotonMap, caustics_at};
+pub(super) use map::{PhotonMap, Place, gathered};
+pub(super) use second::{Second, Seen};
 pub(super) use splat::Splat;
 pub(super) use trace::Photon;
+use trace::{Route, Walk};
 
-use super::li::Counters;
+use std::ops::Range;
+
+use super::path::Counters;
+use crate::film::LightLayer;
 use crate::light::SphereLight;
-use crate::prepare::{Casting, Caustics, Prepared};
-use crate::sampling::Address;
+use crate::prepare::{Casting, Caustics, Indirect, Photons, Prepared};
+use crate::sampling::{Address, PhotonUse};
 
 /// Photons of a pass, at most: what bounds the memory of a map to 70 MiB.
 const MOST_PHOTONS: u64 = 1 << 20;
@@ -38,56 +52,132 @@ const CHUNK: u32 = 4096;
 
 /// Photons of one pass of a picture of this many pixels: one for each, so that neither tracing them nor
 /// looking them up outweighs the paths.
-fn photons(pixels: u64) -> u32 {
+pub(crate) fn photons(pixels: u64) -> u32 {
     pixels.min(MOST_PHOTONS) as u32
+}
+
+/// Pixels for which there is one photon in each pass that looks for indirect light: it lands several times.
+const INDIRECT_PIXELS: u64 = 4;
+
+/// Photons of a pass that look for indirect light, at most: with about four landings each they take 80 MiB.
+const MOST_INDIRECT: u64 = 1 << 18;
+
+/// Radius of the disks from which indirect light is gathered in the first pass, over that of what is in view: at most.
+const INDIRECT_RADIUS: f32 = 1.0 / 40.0;
+
+/// Where there are many photons, disks are so small that they hold about this many, if photons lie everywhere alike.
+const INDIRECT_GATHERED: f32 = 10.0;
+
+/// How wide the disks are that photons are gathered from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Radius {
+    /// Factor on the radius of the first pass.
+    pub(crate) factor: f32,
+    /// Width of the pixels that radii are measured in, in those of the picture.
+    pub(crate) pixel: f32,
+}
+
+impl Radius {
+    /// That of a pass.
+    pub(crate) fn of(pass: u32) -> Self {
+        Self { factor: map::radius_scale(pass), pixel: 1.0 }
+    }
+
+    /// The mean over so many passes of a power of the factor.
+    pub(crate) fn mean_power(passes: u32, exponent: f64) -> f64 {
+        let mut square = 1.0;
+        let powers = (0..passes).map(|pass| {
+            if pass > 0 {
+                square *= map::shrink(pass);
+            }
+            libm::pow(square, 0.5 * exponent)
+        });
+        powers.sum::<f64>() / f64::from(passes.max(1))
+    }
 }
 
 /// Traces the photons of passes.
 pub(super) struct Tracer<'a> {
     scene: &'a Prepared,
-    casting: &'a Casting,
+    photons: &'a Photons,
     crop: [u32; 4],
-    photons: u32,
+    /// Photons of a pass that look for caustics, and that look for indirect light.
+    counts: [u32; 2],
 }
 
 /// What some of the photons of a pass brought.
-#[derive(Default)]
 pub(super) struct Traced {
-    /// Those that a map needs.
+    /// What they look for.
+    pub(super) layer: LightLayer,
+    /// Those that a map of it needs.
     pub(super) photons: Vec<Photon>,
     /// What the camera sees of them.
     pub(super) splats: Vec<Splat>,
+}
+
+/// The photon maps of a pass.
+pub(super) struct Maps {
+    /// Of what came over S+ alone.
+    pub(super) caustics: Option<PhotonMap>,
+    /// Of all that had an event, but what `caustics` holds.
+    pub(super) indirect: Option<PhotonMap>,
 }
 
 impl<'a> Tracer<'a> {
     /// For a part of a picture (left, top, width, height); `None` where the plan has no photons.
     pub(super) fn new(scene: &'a Prepared, crop: [u32; 4]) -> Option<Self> {
         let pixels = u64::from(scene.size[0]) * u64::from(scene.size[1]);
-        let casting = scene.casting()?;
-        Some(Self { scene, casting, crop, photons: photons(pixels) })
+        let caustics = scene.casting().map_or(0, |_| photons(pixels));
+        let indirect = match scene.plan.indirect {
+            Indirect::Path => 0,
+            Indirect::Photon => pixels.div_ceil(INDIRECT_PIXELS).min(MOST_INDIRECT) as u32,
+        };
+        let photons = scene.photons().filter(|_| caustics > 0 || indirect > 0)?;
+        Some(Self { scene, photons, crop, counts: [caustics, indirect] })
+    }
+
+    /// With so many photons in a pass that look for caustics.
+    pub(super) fn with(self, photons: u32) -> Self {
+        let [caustics, indirect] = self.counts;
+        Self { counts: [if caustics > 0 { photons.max(1) } else { 0 }, indirect], ..self }
     }
 
     /// Parts that the photons of a pass are traced in.
     pub(super) fn chunks(&self) -> u32 {
-        self.photons.div_ceil(CHUNK)
+        self.counts.iter().map(|n| n.div_ceil(CHUNK)).sum()
     }
 
     /// Whether paths gather photons.
-    pub(super) fn maps(&self) -> bool {
+    pub(super) fn gathers(&self) -> bool {
+        self.maps_caustics() || self.counts[1] > 0
+    }
+
+    fn maps_caustics(&self) -> bool {
         self.scene.plan.caustics == Caustics::Photon
     }
 
-    /// Traces one part of the photons of a pass.
+    /// Traces one part of the photons of a pass: first those that look for caustics.
     pub(super) fn trace(&self, pass: u32, chunk: u32, counters: &mut Counters) -> Traced {
-        let mut traced = Traced::default();
-        let maps = self.maps();
-        let share = 1.0 / self.photons as f32;
-        let first = chunk * CHUNK;
-        for i in first..(first + CHUNK).min(self.photons) {
-            let address = Address::photon(self.scene.seed, pass, i);
-            trace::walk(self.scene, self.casting, &address, share, counters, |landing, counters| {
+        let before = self.counts[0].div_ceil(CHUNK);
+        let part = |chunk: u32, of: u32| chunk * CHUNK..((chunk + 1) * CHUNK).min(of);
+        if chunk < before {
+            self.trace_caustics(pass, part(chunk, self.counts[0]), counters)
+        } else {
+            self.trace_indirect(pass, part(chunk - before, self.counts[1]), counters)
+        }
+    }
+
+    fn trace_caustics(&self, pass: u32, part: Range<u32>, counters: &mut Counters) -> Traced {
+        let mut traced = Traced { layer: LightLayer::Caustic, photons: Vec::new(), splats: Vec::new() };
+        let maps = self.maps_caustics();
+        let share = 1.0 / self.counts[0] as f32;
+        let Casting { lights, casts } = &self.photons.casting;
+        let walk = Walk { scene: self.scene, lights, casts, route: Route::Thrown };
+        for i in part {
+            let address = Address::photon(self.scene.seed, PhotonUse::Caustics, pass, i);
+            trace::walk(walk, &address, share, counters, |landing, counters| {
                 traced.splats.extend(splat::splat(self.scene, landing, &address, self.crop, counters));
-                if maps && !landing.spread_before {
+                if maps && landing.spread == 0 {
                     traced.photons.push(landing.photon);
                 }
             });
@@ -95,17 +185,47 @@ impl<'a> Tracer<'a> {
         traced
     }
 
-    /// The map of a pass from all of its photons, part after part.
-    pub(super) fn map(&self, pass: u32, parts: Vec<Vec<Photon>>) -> PhotonMap {
-        let targets = || self.casting.lights.aim().targets().iter().map(|t| t.ball);
+    fn trace_indirect(&self, pass: u32, part: Range<u32>, counters: &mut Counters) -> Traced {
+        let mut traced = Traced { layer: LightLayer::Indirect, photons: Vec::new(), splats: Vec::new() };
+        let share = 1.0 / self.counts[1] as f32;
+        let Photons { everywhere, casting, .. } = self.photons;
+        let walk = Walk { scene: self.scene, lights: everywhere, casts: &casting.casts, route: Route::Any };
+        for i in part {
+            let address = Address::photon(self.scene.seed, PhotonUse::Indirect, pass, i);
+            trace::walk(walk, &address, share, counters, |landing, _| {
+                // Direct light is sampled, and a caustic has a map of its own.
+                let photon = &landing.photon;
+                let other = self.maps_caustics() && photon.is_caustic() && landing.spread == 0;
+                if photon.bounces > 0 && !other {
+                    traced.photons.push(*photon);
+                }
+            });
+        }
+        traced
+    }
+
+    /// The maps of a pass from all of its photons, part after part.
+    pub(super) fn maps(&self, radius: Radius, parts: Vec<(LightLayer, Vec<Photon>)>) -> Maps {
+        let photons = |layer: LightLayer| {
+            let own = parts.iter().filter(|(of, _)| *of == layer).map(|(_, photons)| &photons[..]);
+            own.collect::<Vec<_>>().concat()
+        };
+        let targets = || self.photons.casting.lights.aim().targets().iter().map(|t| t.ball);
         let least = |lengths: &mut dyn Iterator<Item = f32>| lengths.fold(f32::INFINITY, f32::min);
         // What is nearer to the camera than the nearest target gathers as from there.
         let away = |b: SphereLight| self.scene.camera.distance(b.center).max(b.radius);
         let scale = map::Scale {
-            factor: map::radius_scale(pass),
+            factor: radius.factor,
+            pixel: radius.pixel,
             nearest: least(&mut targets().map(away)),
             smallest: least(&mut targets().map(|b| b.radius)),
         };
-        PhotonMap::new(parts.concat(), scale)
+        let few = (INDIRECT_GATHERED / self.counts[1] as f32).sqrt();
+        let fixed = self.photons.view * few.min(INDIRECT_RADIUS);
+        Maps {
+            caustics: self.maps_caustics().then(|| PhotonMap::new(photons(LightLayer::Caustic), scale, None)),
+            indirect: (self.counts[1] > 0)
+                .then(|| PhotonMap::new(photons(LightLayer::Indirect), scale, Some(fixed))),
+        }
     }
 }

@@ -3,7 +3,8 @@
 use super::trace::{Landing, spread};
 use crate::accel::RayKind;
 use crate::color::Rgb;
-use crate::integrate::li::{Counters, FAR_CAP, interior, medium_beyond};
+use crate::integrate::li::{interior, medium_beyond};
+use crate::integrate::path::{Counters, FAR_CAP};
 use crate::prepare::{Prepared, Way};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
@@ -16,6 +17,8 @@ pub(in crate::integrate) struct Splat {
     pub(in crate::integrate) pixel: u32,
     /// W sr^-1 m^-2.
     pub(in crate::integrate) radiance: Rgb,
+    /// Class of the light ([`light_class`](crate::film::light_class)).
+    pub(in crate::integrate) class: usize,
 }
 
 /// What a photon that landed adds to the picture; `None` where the camera does not see it within the crop.
@@ -61,9 +64,9 @@ pub(super) fn splat(
     if let Some(medium) = medium.absorbs {
         radiance *= interior(scene, medium, photon.inside);
     }
-    let way =
-        || Way { events: photon.bounces + 1, spread: 1 + u32::from(landing.spread_before), caustic: true };
-    Some(Splat { pixel: y * width + x, radiance: scene.kept.of(radiance, way) })
+    let way = || Way { events: photon.bounces + 1, spread: 1 + landing.spread, caustic: photon.is_caustic() };
+    let radiance = scene.kept.of(radiance, way);
+    Some(Splat { pixel: y * width + x, radiance, class: usize::from(photon.class) })
 }
 
 /// The share of light from a photon that reaches the camera at `eye`.

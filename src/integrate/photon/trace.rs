@@ -1,8 +1,9 @@
-//! Photons on their way: from a light over mirrors and glass to what is neither.
+//! Photons on their way: from a light to wherever a surface spreads light.
 //!
-//! In: an address. Out: each place where a photon that was thrown by the event before lands on a surface that
-//! spreads light. A photon follows delta lobes, and those of materials that have none but narrow ones; where it lands it
-//! may be spread once, and has to be thrown again next: its way is S+ (D S+)*.
+//! In: an address. Out: each place where a photon lands on a surface that spreads light, and may be seen or gathered. A
+//! photon is thrown by delta lobes, and by those of materials that have none but narrow ones. Which ways it takes is a
+//! [`Route`]: photons that look for caustics land where the event before threw them, and where they are spread they have
+//! to be thrown again next, S+ (D S+)*; others take any way, (D|S)*.
 //!
 //! What surfaces do is defined for light towards the camera. Let w be the direction towards the camera and wi
 //! that towards the light at one vertex. Normals that differ from the geometric one make radiance and flux
@@ -18,10 +19,13 @@ use glam::Vec3;
 use crate::accel::{Hit, PrimitiveId, RayKind};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
+use crate::film::light_class;
 use crate::integrate::direct::emitted_share;
-use crate::integrate::li::{Counters, FAR_CAP, interior, is_there};
+use crate::integrate::li::{interior, is_there};
+use crate::integrate::path::{Counters, FAR_CAP};
 use crate::integrate::{roulette, scatter as lobes};
-use crate::prepare::{Casting, Detail, Prepared, PreparedMaterial, Surface};
+use crate::light::PhotonLights;
+use crate::prepare::{Detail, Prepared, PreparedMaterial, ROULETTE_START, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
 
@@ -41,13 +45,50 @@ pub(in crate::integrate) struct Photon {
     pub(super) inside: f32,
     /// Scattering events so far.
     pub(super) bounces: u32,
+    /// Class of the light that it brings ([`light_class`]).
+    pub(super) class: u8,
+    /// Whether its way is S+ (D S+)*.
+    pub(super) linked: bool,
+}
+
+impl Photon {
+    /// Whether its first event threw it.
+    pub(super) fn is_caustic(&self) -> bool {
+        self.class % 2 == 1
+    }
+}
+
+/// Which ways photons take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Route {
+    /// S+ (D S+)*: what throws light throws them first, and again after each time that they are spread.
+    Thrown,
+    /// (D|S)*, anywhere.
+    Any,
+    /// The same, where what they meet first throws light, or does not.
+    First {
+        /// Whether it does.
+        casts: bool,
+    },
+}
+
+impl Route {
+    /// Whether a photon that has had so many events, the last of which threw it or did not, goes on from something
+    /// that throws light or does not.
+    fn allows(self, bounces: u32, thrown: bool, casts: bool) -> bool {
+        match self {
+            Self::Thrown => thrown || casts,
+            Self::Any => true,
+            Self::First { casts: first } => bounces > 0 || first == casts,
+        }
+    }
 }
 
 /// A photon that lands, with what it lands on.
 pub(super) struct Landing<'a> {
     pub(super) photon: Photon,
-    /// Whether it was spread on its way, and has been thrown again since.
-    pub(super) spread_before: bool,
+    /// How often it was spread on its way.
+    pub(super) spread: u32,
     pub(super) surface: Surface,
     pub(super) hit: Hit,
     pub(super) detail: Detail,
@@ -56,25 +97,39 @@ pub(super) struct Landing<'a> {
     pub(super) material: &'a PreparedMaterial,
 }
 
+/// Where photons start, and which way they go.
+#[derive(Clone, Copy)]
+pub(super) struct Walk<'a> {
+    pub(super) scene: &'a Prepared,
+    pub(super) lights: &'a PhotonLights,
+    /// For each material, whether it throws light.
+    pub(super) casts: &'a [bool],
+    pub(super) route: Route,
+}
+
 /// Follows one photon, whose power is `share` of that of the light; `landed` is called wherever it lands.
 pub(super) fn walk(
-    scene: &Prepared,
-    casting: &Casting,
+    Walk { scene, lights, casts: casting, route }: Walk<'_>,
     address: &Address,
     share: f32,
     counters: &mut Counters,
     mut landed: impl FnMut(&Landing<'_>, &mut Counters),
 ) {
     let numbers = |k| address.block(0, Purpose::Photon, 0, k);
-    let Some(start) = casting.lights.emit(&scene.lights, numbers(0), numbers(1)) else { return };
+    let Some(start) = lights.emit(&scene.lights, numbers(0), numbers(1)) else { return };
+    if scene.max_depth == Some(0) {
+        return;
+    }
+    let light = scene.apart.number(start.light);
     let mut power = start.power * share;
     if start.from != PrimitiveId::NONE {
         power *= emitted_share(scene, start.from, start.p, start.cos);
     }
     let (mut ray, mut from) = (start.ray, start.from);
     let (mut bounces, mut passed, mut inside) = (0u32, 0u32, 0.0f32);
-    // Whether the last event had no spread, and whether an earlier one had.
-    let (mut thrown, mut spread_before) = (false, false);
+    // Whether the last event threw it, how many spread it, whether the first threw it, and whether each that spread it
+    // followed one that threw it.
+    let (mut thrown, mut spread, mut caustic, mut linked) = (false, 0u32, false, true);
     // What the events so far have left, for roulette.
     let mut beta = Rgb::WHITE;
     loop {
@@ -95,14 +150,17 @@ pub(super) fn walk(
             ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, ray.d), ray.d);
             continue;
         }
-        let casts = casting.casts[index as usize];
-        if power.is_black() || !(thrown || casts) {
+        let casts = casting[index as usize];
+        if power.is_black() || !route.allows(bounces, thrown, casts) {
             return;
         }
         let wi = -ray.d;
-        let photon = Photon { p: surface.p, wi, ng: surface.ng, power, inside, bounces };
-        let landing = Landing { photon, spread_before, surface, hit, detail, index, material };
-        let lands = thrown && !material.narrow && spreads(material, &landing.detail);
+        let class = light_class(light, caustic) as u8;
+        let (p, ng) = (surface.p, surface.ng);
+        let photon = Photon { p, wi, ng, power, inside, bounces, class, linked: linked && thrown };
+        let landing = Landing { photon, spread, surface, hit, detail, index, material };
+        let lands =
+            (thrown || route != Route::Thrown) && !material.narrow && spreads(material, &landing.detail);
         if lands {
             landed(&landing, counters);
         }
@@ -120,8 +178,11 @@ pub(super) fn walk(
         let u = address.block(bounces, Purpose::Bsdf, 0, 0);
         let Some(next) = scatter(scene, &landing, spreads_on || material.narrow, u) else { return };
         let Scattered { w, weight, delta } = next;
-        thrown = delta || material.narrow;
-        spread_before |= !thrown;
+        let throws = delta || material.narrow;
+        linked &= throws || thrown;
+        caustic |= throws && bounces == 0;
+        spread += u32::from(!throws);
+        thrown = throws;
         power *= weight;
         beta *= weight;
         if material.encloses && w.dot(surface.ng) * wi.dot(surface.ng) < 0.0 {
@@ -133,7 +194,7 @@ pub(super) fn walk(
         }
         ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, w), w);
         bounces += 1;
-        match roulette::survive(beta, 1.0, bounces, u[3]) {
+        match roulette::survive(beta, 1.0, bounces, ROULETTE_START, u[3]) {
             Some(scale) => {
                 power *= scale;
                 beta *= scale;

@@ -1,0 +1,97 @@
+//! Samples one by one, for whoever measures estimators instead of making a picture.
+//!
+//! In: a prepared scene. Out: for each pixel and pass the luminance that the sample adds, with what is known of it.
+//! The samples are those of [`render`](super::render()), bit for bit.
+
+use rayon::prelude::*;
+
+use super::kernels::{Kernel, kernel};
+use super::path::Counters;
+use super::photon::{Maps, Radius, Tracer};
+use super::render::sample;
+use crate::film::LightLayer;
+use crate::prepare::Prepared;
+
+/// A sample of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Probed {
+    /// Luminance of all that the path brought.
+    pub(crate) luminance: f64,
+    /// That of the caustics in it.
+    pub(crate) caustics: f64,
+    /// Whether some of it was seen in a mirror or through clear glass.
+    pub(crate) through: bool,
+    /// Rays that it took.
+    pub(crate) rays: u64,
+    /// Photons that it gathered.
+    pub(crate) gathered: u64,
+}
+
+/// The photons of a pass.
+pub(crate) struct Photons {
+    maps: Option<Maps>,
+    /// Pixel (row-major) and luminance of what the camera sees of them directly.
+    pub(crate) splats: Vec<(u32, f64)>,
+    /// Rays that they took.
+    pub(crate) rays: u64,
+}
+
+/// What takes samples of a scene.
+pub(crate) struct Probe<'a> {
+    scene: &'a Prepared,
+    kernel: Kernel,
+    tracer: Option<Tracer<'a>>,
+}
+
+impl<'a> Probe<'a> {
+    /// Of the whole picture of `scene`, as its plan says, with so many photons in a pass.
+    pub(crate) fn new(scene: &'a Prepared, photons: u32) -> Self {
+        let [width, height] = scene.size;
+        let tracer = Tracer::new(scene, [0, 0, width, height]).map(|t| t.with(photons));
+        Self { scene, kernel: kernel(&scene.plan), tracer }
+    }
+
+    /// Traces the photons of a pass and keeps them in one map for each radius; none of both where the plan has none.
+    pub(crate) fn photons<const N: usize>(&self, pass: u32, radii: [Radius; N]) -> [Photons; N] {
+        let mut rays = 0;
+        let (mut splats, mut parts) = (Vec::new(), Vec::new());
+        if let Some(tracer) = &self.tracer {
+            let chunk = |chunk| {
+                let mut counters = Counters::default();
+                let traced = tracer.trace(pass, chunk, &mut counters);
+                (traced, counters.rays)
+            };
+            let chunks: Vec<_> = (0..tracer.chunks()).into_par_iter().map(chunk).collect();
+            for (traced, took) in chunks {
+                rays += took;
+                splats.extend(traced.splats.iter().map(|s| (s.pixel, f64::from(s.radiance.luminance()))));
+                parts.push((traced.layer, traced.photons));
+            }
+        }
+        radii.map(|radius| {
+            let tracer = self.tracer.as_ref().filter(|t| t.gathers());
+            let maps = tracer.map(|t| t.maps(radius, parts.clone()));
+            Photons { maps, splats: splats.clone(), rays }
+        })
+    }
+
+    /// The samples of all pixels in a pass, row-major.
+    pub(crate) fn pass(&self, pass: u32, photons: &Photons) -> Vec<Probed> {
+        let [width, height] = self.scene.size;
+        let one = |i: u32| {
+            let mut counters = Counters::default();
+            let pixel = [i % width, i / width];
+            let maps = photons.maps.as_ref();
+            let found = sample(self.scene, &self.kernel, true, pixel, pass, maps, &mut counters);
+            let layers = found.layers.unwrap_or_default();
+            Probed {
+                luminance: f64::from(found.radiance.luminance()),
+                caustics: f64::from(layers[LightLayer::Caustic as usize].luminance()),
+                through: !layers[LightLayer::Glass as usize].is_black(),
+                rays: counters.rays,
+                gathered: counters.gathered,
+            }
+        };
+        (0..width * height).into_par_iter().with_min_len(16).map(one).collect()
+    }
+}

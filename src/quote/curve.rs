@@ -1,0 +1,182 @@
+//! How an error has fallen so far, and when it will have fallen far enough.
+//!
+//! The pixels are dealt into groups. At each number of passes the curve keeps the square of the error of each group;
+//! E^2 of the picture is their mean. Groups drawn with replacement (Efron, "Bootstrap Methods", Annals of Statistics
+//! 7(1), 1979) give other curves, of which each says how many samples an error takes: their spread is the interval.
+//! It holds what varies between pixels, how errors at different numbers of samples go together, and the choice of
+//! terms in the law. What a render itself adds is added: its own estimate, which decides when it stops, has noise.
+
+use super::fit::Law;
+use crate::film::Squares;
+use crate::integrate::is_looked_at;
+use crate::math::mix64;
+
+/// Groups of pixels.
+const GROUPS: usize = 32;
+/// Curves that are drawn for an interval.
+const DRAWN: usize = 200;
+/// The law is fitted over the passes from this share of the last on: what comes before has other slopes.
+const BACK: u32 = 16;
+/// Fewer passes say little: each replication then has less than four samples.
+const FEWEST: u32 = 16;
+/// The two-sided 95 % quantile of the normal distribution.
+const Z: f64 = 1.959_963_984_540_054;
+
+/// Errors at growing numbers of passes.
+#[derive(Clone, Debug, Default)]
+pub struct Curve {
+    points: Vec<Point>,
+    /// Pixels of the picture for each one that the curve knows.
+    every: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Point {
+    passes: u32,
+    /// Sum over the pixels of each group, and their number.
+    groups: Vec<(f64, f64)>,
+    /// (sum t)^2 / sum t^2.
+    effective_pixels: f64,
+}
+
+/// A number of samples for each pixel, as it was foreseen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Forecast {
+    /// Samples at which a render stops.
+    pub samples: u32,
+    /// Lower and upper end of the 95 % interval.
+    pub interval: [u32; 2],
+}
+
+impl Curve {
+    /// Of a picture of which one pixel in `every` is known.
+    #[must_use]
+    pub fn new(every: u32) -> Self {
+        Self { points: Vec::new(), every: f64::from(every) }
+    }
+
+    /// The number of passes of the last point; zero where there is none.
+    #[must_use]
+    pub fn passes(&self) -> u32 {
+        self.points.last().map_or(0, |p| p.passes)
+    }
+
+    /// Adds what the pixels add to the square of the error after some passes, more than before.
+    pub fn add(&mut self, passes: u32, squares: &Squares) {
+        let mut groups = vec![(0.0, 0.0); GROUPS];
+        for (i, &t) in squares.of_pixels.iter().enumerate() {
+            // Neighbours in different groups.
+            let group = &mut groups[(mix64(i as u64) >> 32) as usize % GROUPS];
+            group.0 += f64::from(t);
+            group.1 += 1.0;
+        }
+        let effective_pixels = squares.estimate().effective_pixels;
+        self.points.push(Point { passes, groups, effective_pixels });
+    }
+
+    /// The square of the error that a weighting of the groups gives, by number of passes; values that noise makes
+    /// negative are left out.
+    fn weighted(&self, weights: &[f64; GROUPS]) -> Vec<(f64, f64)> {
+        let last = self.passes();
+        let used = |p: &&Point| p.passes >= FEWEST.min(last) && p.passes >= last / BACK;
+        let of = |p: &Point| {
+            let sums =
+                p.groups.iter().zip(weights).fold((0.0, 0.0), |s, (g, w)| (s.0 + w * g.0, s.1 + w * g.1));
+            (f64::from(p.passes), sums.0 / sums.1)
+        };
+        self.points.iter().filter(used).map(of).filter(|(_, e2)| *e2 > 0.0).collect()
+    }
+
+    /// When a render that asks for an error stops: `None` where the curve has no points.
+    #[must_use]
+    pub fn forecast(&self, error: f64) -> Option<Forecast> {
+        let last = self.points.last()?;
+        let wanted = error * error;
+        let law = Law::fit(&self.weighted(&[1.0; GROUPS]))?;
+        let middle = law.samples(wanted);
+        // What the estimate of the whole picture varies by when it is compared with the error that was asked for.
+        let own = 1.0 / (last.effective_pixels * self.every).max(1.0);
+        let mut state = 0u64;
+        let mut draw = || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            mix64(state)
+        };
+        let mut logs = Vec::with_capacity(DRAWN);
+        for _ in 0..DRAWN {
+            let mut weights = [0.0; GROUPS];
+            (0..GROUPS).for_each(|_| weights[draw() as usize % GROUPS] += 1.0);
+            // A normal number from twelve uniform ones.
+            let sum: f64 = (0..12).map(|_| (draw() >> 11) as f64 / (1u64 << 53) as f64).sum();
+            let factor = libm::exp((sum - 6.0) * own.sqrt());
+            let law = Law::fit(&self.weighted(&weights));
+            logs.extend(law.map(|l| libm::log(l.times(factor).samples(wanted))));
+        }
+        let mean = logs.iter().sum::<f64>() / logs.len().max(1) as f64;
+        let variance = logs.iter().map(|l| (l - mean) * (l - mean)).sum::<f64>() / logs.len().max(2) as f64;
+        let spread = libm::exp(Z * variance.sqrt());
+        Some(Forecast { samples: stop(middle), interval: [stop(middle / spread), stop(middle * spread)] })
+    }
+}
+
+/// The first number of passes, from some on, at which a render looks at its error.
+fn stop(samples: f64) -> u32 {
+    // Far beyond what anybody renders.
+    const MOST: f64 = (1u64 << 30) as f64;
+    let mut passes = (samples.clamp(1.0, MOST).ceil() as u32).max(8);
+    // Looks are four passes apart, or a sixteenth of an octave.
+    let step = |n: u32| ((1u32 << n.ilog2()) / 16).max(4);
+    passes = passes.div_ceil(step(passes)) * step(passes);
+    debug_assert!(is_looked_at(passes));
+    passes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Curves of `pixels` with E^2 = 1/n and noise of some relative size, independent between points.
+    fn curve(name: u64, pixels: usize, noise: f64, last: u32) -> Curve {
+        let mut curve = Curve::new(1);
+        let mut state = name;
+        for passes in (8..=last).filter(|&n| is_looked_at(n)) {
+            let t = |_| {
+                state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+                let u = (mix64(state) >> 11) as f64 / (1u64 << 53) as f64;
+                ((1.0 + noise * (2.0 * u - 1.0)) / f64::from(passes)) as f32
+            };
+            curve.add(passes, &Squares { of_pixels: (0..pixels).map(t).collect() });
+        }
+        curve
+    }
+
+    /// By hand: E^2 = 1/n is 1e-4 after 10,000 samples; the next look is after 10,240.
+    #[test]
+    fn a_known_law_is_foreseen() {
+        let found = curve(1, 4096, 0.0, 128).forecast(0.01).expect("points");
+        assert_eq!(found.samples, 10_240);
+        assert!(found.interval[0] > 9_000 && found.interval[1] < 11_300, "{found:?}");
+    }
+
+    /// Guards that noise widens the interval, and that it holds the truth.
+    #[test]
+    fn noise_widens_the_interval() {
+        let width = |c: &Curve| {
+            let f = c.forecast(0.02).expect("points");
+            assert!((f.interval[0]..=f.interval[1]).contains(&2500), "{f:?}");
+            f64::from(f.interval[1]) / f64::from(f.interval[0])
+        };
+        let (few, many) = (curve(2, 300, 3.0, 128), curve(3, 30_000, 3.0, 128));
+        assert!(width(&few) > 1.5 * width(&many), "{} {}", width(&few), width(&many));
+    }
+
+    #[test]
+    fn renders_stop_where_they_look() {
+        for (asked, found) in [(1.0, 8), (8.5, 12), (64.0, 64), (65.0, 68), (129.0, 136), (1025.0, 1088)] {
+            assert_eq!(stop(asked), found);
+        }
+        for n in 1..3000 {
+            let next = (n..).find(|&n| is_looked_at(n)).expect("some");
+            assert_eq!(stop(f64::from(n)), next);
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! The first samples of a render, at some of its pixels.
+
+use std::ops::Range;
+use std::sync::Mutex;
+use std::time::Duration;
+
+use super::curve::{Curve, Forecast};
+use crate::film::{ErrorEstimate, Film, LayerShare, LightLayer};
+use crate::integrate::{
+    Control, Counters, Outcome, RenderError, RenderOptions, is_looked_at, layout, render_onto,
+};
+use crate::prepare::Prepared;
+
+/// Pixels of a pilot, at least, where the picture has as many: enough for an interval, and few enough for many samples
+/// of each.
+const PIXELS: u64 = 4096;
+/// Rays of a pilot where nothing else is asked for: a second or two on a few cores.
+pub const RAYS: u64 = 6_000_000;
+/// Passes of a pilot: at least what a curve needs, at most what any error above a thousandth does.
+const PASSES: Range<u32> = 16..4096;
+/// The part of the passes that is rendered again for the shares of effects.
+const PARTS: u32 = 4;
+/// What a pass may take more or less later on, relative: 95 % of what was seen on a machine with nothing else to do.
+const CLOCK: f64 = 0.08;
+/// How many times as many passes a pilot takes where the error is not clear.
+const LONGER: u32 = 4;
+/// Pixels that carry the error of a pilot, at least, where it is clear.
+const FEWEST: f64 = 20.0;
+/// Passes that say how many rays one takes.
+const FIRST: u32 = 4;
+
+/// What a pilot found.
+#[derive(Clone, Debug)]
+pub struct Pilot {
+    /// How the error fell.
+    pub curve: Curve,
+    /// The error after all passes, of the pixels that were rendered; `None` where it cannot be estimated.
+    pub error: Option<ErrorEstimate>,
+    /// One pixel of so many was rendered.
+    pub every: u32,
+    /// Samples of each of these.
+    pub passes: u32,
+    /// Rays, photons' included.
+    pub rays: u64,
+    /// Wall-clock time.
+    pub elapsed: Duration,
+    /// Seconds that a pass of the whole picture takes on the same threads.
+    pub pass_seconds: f64,
+    /// Threads that worked.
+    pub threads: usize,
+    /// What the parts of the light are of picture, noise and work, the noisiest first; empty where nothing was seen.
+    pub parts: Vec<EffectShare>,
+}
+
+/// A part of the light: its share of the picture, of its noise and of the work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectShare {
+    /// The part.
+    pub layer: LightLayer,
+    /// Of the luminance, [0, 1].
+    pub light: f64,
+    /// Of E^2, about [0, 1].
+    pub noise: f64,
+    /// Of the rays, which the time goes into, [0, 1].
+    pub rays: f64,
+}
+
+/// What an error costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quote {
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Lower and upper end of their 95 % interval.
+    pub samples_interval: [u32; 2],
+    /// Wall-clock time of rendering them.
+    pub seconds: f64,
+    /// Lower and upper end of its interval.
+    pub seconds_interval: [f64; 2],
+}
+
+impl Pilot {
+    /// Whether the error of the pilot says what that of the whole picture will be.
+    #[must_use]
+    pub fn is_clear(&self) -> bool {
+        self.error.is_some_and(|e| is_clear(&e, self.every))
+    }
+
+    /// What an error costs; `None` where the pilot does not say.
+    #[must_use]
+    pub fn quote(&self, error: f64) -> Option<Quote> {
+        let found = self.curve.forecast(error).filter(|_| self.is_clear())?;
+        Some(Quote::new(found, self.pass_seconds))
+    }
+}
+
+impl Quote {
+    /// Of samples that take so many seconds each.
+    #[must_use]
+    pub fn new(forecast: Forecast, pass_seconds: f64) -> Self {
+        let Forecast { samples, interval } = forecast;
+        let [low, high] = interval.map(|n| f64::from(n) / f64::from(samples));
+        // Two independent reasons to be wrong, as factors.
+        let both = |ratio: f64| libm::exp(libm::hypot(libm::log(ratio), libm::log(1.0 + CLOCK)));
+        let seconds = f64::from(samples) * pass_seconds;
+        let seconds_interval = [seconds / both(low), seconds * both(high)];
+        Self { samples, samples_interval: interval, seconds, seconds_interval }
+    }
+}
+
+/// Takes notes at each look, and passes on the wish to stop.
+struct Notes<'a> {
+    curve: Mutex<Curve>,
+    control: &'a dyn Control,
+}
+
+impl Control for Notes<'_> {
+    fn committed(&self, film: &Film, passes: Range<u32>, _: Counters) {
+        if is_looked_at(passes.end)
+            && let Some(squares) = film.error_squares()
+        {
+            self.curve.lock().unwrap_or_else(std::sync::PoisonError::into_inner).add(passes.end, &squares);
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.control.cancelled()
+    }
+}
+
+/// Passes on the wish to stop, and nothing else.
+struct Stop<'a>(&'a dyn Control);
+
+impl Control for Stop<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
+/// Renders some pixels of a picture for as many passes as so many rays allow, but for the least that a curve needs;
+/// `options` say which threads, and which part of the picture.
+///
+/// # Errors
+/// As [`render_onto`].
+pub fn pilot(
+    scene: &Prepared,
+    options: &RenderOptions,
+    rays: u64,
+    control: &dyn Control,
+) -> Result<Pilot, RenderError> {
+    let plain = RenderOptions { layers: false, layer_noise: false, features: false, ..options.clone() };
+    let film = Film::new(layout(scene, &plain));
+    let pixels = film.pixels() as u64;
+    let every = (pixels / PIXELS).clamp(1, u64::from(u32::MAX)) as u32;
+    let notes = Notes { curve: Mutex::new(Curve::new(every)), control };
+    let options = RenderOptions { passes: 0..FIRST, every, time: None, error: None, ..plain };
+    let first = render_onto(scene, film, &options, &notes)?;
+    let affordable = rays.saturating_mul(u64::from(FIRST)) / first.counters.rays.max(1);
+    let planned = (affordable.min(u64::from(PASSES.end)) as u32).max(PASSES.start) / FIRST * FIRST;
+    let mut total = Spent::default();
+    total.add(&first);
+    let (mut film, mut passes) = (first.film, first.passes.end);
+    // Longer, by up to as much as LONGER says, where that much does not show what the picture converges to.
+    let mut asked = planned;
+    let (error, threads) = loop {
+        let options = RenderOptions { passes: passes..asked, ..options.clone() };
+        let more = render_onto(scene, film, &options, &notes)?;
+        total.add(&more);
+        (film, passes) = (more.film, more.passes.end);
+        let error = film.error();
+        let clear = error.is_some_and(|e| is_clear(&e, every));
+        if clear || more.cancelled || asked >= (LONGER * planned).min(PASSES.end) {
+            break (error, more.threads);
+        }
+        asked = (2 * asked).min(PASSES.end);
+    };
+    // What layers are recorded with costs time, which a render does not take.
+    let parts = RenderOptions { passes: 0..(passes / PARTS).max(PASSES.start), layer_noise: true, ..options };
+    let parts = render_onto(scene, Film::new(layout(scene, &parts)), &parts, &Stop(control))?;
+    Ok(Pilot {
+        curve: notes.curve.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner),
+        error,
+        every,
+        passes,
+        rays: total.rays,
+        elapsed: total.elapsed,
+        pass_seconds: total.whole(every) / f64::from(passes.max(1)),
+        threads,
+        parts: shares(&parts.film, &parts.counters),
+    })
+}
+
+/// Whether the pilot's error says what that of the whole picture will be, of which one pixel in `every` is known.
+fn is_clear(error: &ErrorEstimate, every: u32) -> bool {
+    let carry = error.effective_pixels;
+    error.error <= ErrorEstimate::NOISIEST
+        && carry >= FEWEST
+        && carry * f64::from(every) >= ErrorEstimate::FEWEST_PIXELS
+}
+
+/// What renders took together.
+#[derive(Default)]
+struct Spent {
+    rays: u64,
+    elapsed: Duration,
+    photons: Duration,
+    paths: Duration,
+}
+
+impl Spent {
+    fn add(&mut self, outcome: &Outcome) {
+        self.rays += outcome.counters.rays;
+        self.elapsed += outcome.elapsed;
+        self.photons += outcome.busy.photons;
+        self.paths += outcome.busy.tiles + outcome.busy.film;
+    }
+
+    /// Seconds that it would have taken to render all pixels: photons are the same.
+    fn whole(&self, every: u32) -> f64 {
+        let [photons, paths] = [self.photons, self.paths].map(|d| d.as_secs_f64());
+        self.elapsed.as_secs_f64() * (photons + paths * f64::from(every)) / (photons + paths).max(1e-9)
+    }
+}
+
+/// The shares of the parts of the light, of the most noisy first.
+fn shares(film: &Film, counters: &Counters) -> Vec<EffectShare> {
+    let rays: u64 = counters.layer_rays.iter().sum();
+    let of = |s: LayerShare| EffectShare {
+        layer: s.layer,
+        light: s.light,
+        noise: s.noise,
+        rays: counters.layer_rays[s.layer as usize] as f64 / rays.max(1) as f64,
+    };
+    let mut list: Vec<EffectShare> = film.layer_shares().into_iter().flatten().map(of).collect();
+    list.sort_by(|a, b| b.noise.total_cmp(&a.noise));
+    list
+}

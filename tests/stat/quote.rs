@@ -1,0 +1,64 @@
+//! Quotes against what renders then take.
+
+use epsilux::integrate::{Quiet, RenderOptions, render};
+use epsilux::prepare::{Prepared, prepare};
+use epsilux::quote::{Pilot, pilot};
+use epsilux::scene::text::parse_toml;
+
+use crate::support::fast::options;
+use crate::support::seed::seed;
+
+const CORNELL: &str = include_str!("../../scenes/cornell.toml");
+const PENUMBRA: &str = include_str!("../../fixtures/golden/sphere-penumbra/scene.toml");
+const SHEEN: &str = include_str!("../../fixtures/golden/coat-sheen/scene.toml");
+
+fn prepared(text: &str, side: u32, name: &str) -> Prepared {
+    let scene = parse_toml(text).expect("a scene of the project").0;
+    prepare(&scene, &options([side, side], seed(name), None)).expect("a camera")
+}
+
+/// A pilot of about so many samples for each pixel that it renders.
+fn pilot_of(scene: &Prepared, rays: u64) -> Pilot {
+    pilot(scene, &RenderOptions { threads: 1, ..RenderOptions::passes(0..1) }, rays, &Quiet).expect("a pilot")
+}
+
+/// Guards quotes: from a pilot of 5 to 15 % of the render, the samples that are quoted are those at which it stops, within
+/// 20 % in three of four runs, and within the interval of 95 % in at least 15 of 18: of a binomial with 95 %, that fails
+/// once in a thousand.
+#[test]
+fn renders_stop_where_they_were_quoted_to() {
+    let (mut near, mut held, mut runs) = (0, 0, Vec::new());
+    for (name, text, error, rays) in [
+        ("cornell", CORNELL, 0.06, 150_000),
+        ("penumbra", PENUMBRA, 0.02, 60_000),
+        ("sheen", SHEEN, 0.04, 150_000),
+    ] {
+        for i in 0..6 {
+            let scene = prepared(text, 32, &format!("quote {name} {i}"));
+            let quote = pilot_of(&scene, rays).quote(error).expect("a pilot that can be trusted");
+            let options = RenderOptions { error: Some(error), ..RenderOptions::passes(0..8192) };
+            let outcome = render(&scene, &options, &Quiet).expect("passes");
+            assert!(outcome.reached, "{name}");
+            let came = outcome.passes.end;
+            near += u32::from((f64::from(quote.samples) / f64::from(came) - 1.0).abs() <= 0.2);
+            held += u32::from((quote.samples_interval[0]..=quote.samples_interval[1]).contains(&came));
+            runs.push(format!("{name}: {} {:?}, came {came}", quote.samples, quote.samples_interval));
+        }
+    }
+    assert!(near >= 13 && held >= 15, "{near} near, {held} held\n{}", runs.join("\n"));
+}
+
+/// Guards that some of the pixels speak for all: the error of one pixel in four is that of the whole picture, within
+/// three times what both intervals allow.
+#[test]
+fn some_pixels_speak_for_all() {
+    let scene = prepared(CORNELL, 128, "some pixels speak for all");
+    let some = pilot_of(&scene, 1);
+    assert_eq!((some.every, some.passes), (4, 16));
+    let whole = render(&scene, &RenderOptions::passes(0..16), &Quiet).expect("passes").film.error();
+    let (some, whole) = (some.error.expect("an error"), whole.expect("an error"));
+    let width = |e: &epsilux::film::ErrorEstimate| libm::log(e.interval[1] / e.error);
+    let apart = libm::log(some.error / whole.error).abs();
+    // Intervals are 1.96 standard errors.
+    assert!(apart < 1.5 * libm::hypot(width(&some), width(&whole)), "{some:?} {whole:?}");
+}
