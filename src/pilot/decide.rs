@@ -143,7 +143,7 @@ impl Pilot<'_> {
         }
         let pass = candidates[best].trial.rays / candidates[0].trial.rays;
         if best > 0 {
-            reason += &format!("; a pass has {} times the rays", times(pass));
+            reason += &format!("; a pass takes {} times the work", times(pass));
         }
         let best = candidates.swap_remove(best);
         self.chosen = best.algorithms;
