@@ -31,6 +31,8 @@ pub(crate) struct Arguments {
 
 /// The marks around the table.
 pub(crate) const BEGIN: &str = "<!-- cost:";
+/// What stands in the first one where nothing has been measured.
+pub(crate) const NOT_YET: &str = "<!-- cost: not yet -->";
 const END: &str = "<!-- /cost -->";
 /// The error whose price the table tells.
 const ERROR: f64 = 0.01;
@@ -155,8 +157,10 @@ fn write_table(
     let from: Vec<String> =
         scenes.iter().map(|(name, text)| format!("{name}.toml {}", content_hash(text))).collect();
     let table = format!(
-        "{BEGIN} cargo xtask cost --spp {} --width {}; {} -->\n\
-         | scene | samples a pixel | rays a pixel | another way | without |\n|---|---|---|---|---|\n{}\n{END}",
+        "{BEGIN} cargo xtask cost --spp {} --width {}; {} -->\nWhat 1 % of error takes, counted, since seconds are those of \
+         one machine:\n\n| scene | samples a pixel | rays a pixel | another way | without |\n|---|---|---|---|---|\n{}\n\n*Another way* and *without* are prices over the full \
+         one, in rays to the same noise; without an effect the picture is another one, and the page says by how \
+         much.\n{END}",
         arguments.spp,
         arguments.width,
         from.join(", "),

@@ -292,6 +292,9 @@ fn costs(files: &[File], findings: &mut Findings) {
     else {
         return findings.add(README, 0, "no table of costs, expected the one that `cargo xtask cost` writes");
     };
+    if line == crate::cost::NOT_YET {
+        return;
+    }
     for file in files.iter().filter(|f| f.path.starts_with("scenes/") && f.path.ends_with(".toml")) {
         let name = &file.path["scenes/".len()..];
         let expected = format!("{name} {}", content_hash(&file.text));

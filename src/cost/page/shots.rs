@@ -8,7 +8,7 @@ use crate::cost::pictures::{EqualError, Pictures};
 use crate::cost::report::CostReport;
 use crate::cost::switches::Kind;
 use crate::page::picture::{data, img};
-use crate::page::text::{Text, percent};
+use crate::page::text::{Text, count, percent};
 
 /// The rule that holds the full method's picture.
 pub(super) fn style(pictures: &Pictures) -> String {
@@ -31,12 +31,12 @@ pub(super) fn all(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -
     let mut html = String::new();
     let pairs = report.switches.iter().zip(&pictures.switches).enumerate().skip(1);
     for (i, (way, shots)) in pairs {
-        let left = format!("full: {} samples", full.spp);
+        let left = format!("full: {}", count(full.spp as usize, "sample"));
         let alt = |how: &str| format!("{}: {} at {how}", report.scene, way.name);
         let time = pair(
             &format!("the same time, {}", words.time(full.seconds)),
             &left,
-            &format!("{}: {} samples", way.name, shots.spp),
+            &format!("{}: {}", way.name, count(shots.spp as usize, "sample")),
             &img(size, shots.equal_time.clone(), pictures.tone, &alt("equal time")),
         );
         let same = format!("the same error, about {}", percent(error));
@@ -52,7 +52,7 @@ pub(super) fn all(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -
             EqualError::Picture(rgb, spp, s) => pair(
                 &same,
                 &format!("full: {}", words.time(full.seconds)),
-                &format!("{}: {} ({spp} samples)", way.name, words.time(*s)),
+                &format!("{}: {} ({})", way.name, words.time(*s), count(*spp as usize, "sample")),
                 &img(size, rgb.clone(), pictures.tone, &alt("equal error")),
             ),
         };

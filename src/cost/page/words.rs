@@ -89,12 +89,13 @@ impl<'a> Words<'a> {
         ))
     }
 
-    /// Shortcuts with the share of the price that they save, the largest first.
+    /// Shortcuts with the share of the price that they save, the largest first: effects before caps and the like.
     pub(super) fn shares(&self) -> Vec<(f64, &'a Measured)> {
         let full = self.main().map(|p| p.seconds.value);
         let share = |m: &'a Measured| Some((1.0 - m.price(MAIN)?.seconds.value / full?, m));
         let mut all: Vec<_> = of_kind(self.report, Kind::Shortcut).filter_map(|(_, m)| share(m)).collect();
-        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let effect = |m: &Measured| m.flag.starts_with("--without");
+        all.sort_by(|a, b| effect(b.1).cmp(&effect(a.1)).then(b.0.total_cmp(&a.0)));
         all
     }
 

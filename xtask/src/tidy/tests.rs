@@ -199,6 +199,7 @@ fn the_table_of_costs_is_that_of_the_scenes() {
     let found =
         ["README.md:2: costs of another version of room.toml; `cargo xtask cost` measures them again"];
     check_file("README.md", "# x\n<!-- cost: all; room.toml 0123456789abcdef -->\n", &found);
+    check_file("README.md", "<!-- cost: not yet -->\n", &[]);
     let found = ["README.md:0: no table of costs, expected the one that `cargo xtask cost` writes"];
     check_file("README.md", "# x\n", &found);
 }
