@@ -270,7 +270,8 @@ pub(super) const MAX_SAMPLES: u32 = 1 << 24;
 Examples:
   epsilux explain scenes/hexroom.toml
   epsilux explain scenes/hexroom.toml --camera far --json
-  epsilux explain scenes/hexroom.toml --without caustics --max-depth 4 --price")]
+  epsilux explain scenes/hexroom.toml --without caustics --max-depth 4 --price
+  epsilux explain scenes/hexroom.toml --price      what every shortcut would cost")]
 pub(super) struct ExplainArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -309,7 +310,8 @@ pub(super) struct ExplainArgs {
     #[command(flatten)]
     pub(super) shortcuts: ShortcutArgs,
 
-    /// Measure what each shortcut costs: small pictures are rendered with it and without it
+    /// Measure what each shortcut costs, or where none is asked for, what each would that makes sense for the scene:
+    /// small pictures are rendered with it and without it
     #[arg(long)]
     pub(super) price: bool,
 }

@@ -8,11 +8,11 @@ use super::console::Console;
 use super::failure::Failure;
 use super::notes::{self, NoteJson};
 use super::schema::{to_json, to_json_line};
-use super::shortcuts::{PricedJson, prices};
+use super::shortcuts::{self, PricedJson};
 use super::{Code, load, render};
 use crate::integrate::Quiet;
 use crate::pilot::{self, Asked};
-use crate::prepare::{Options, Plan, Shortcuts};
+use crate::prepare::{Options, Plan, Shortcuts, shortcuts_of};
 use crate::report::{Explanation, PlanFacts};
 
 #[derive(Serialize)]
@@ -45,7 +45,14 @@ pub(super) fn run(args: &ExplainArgs, console: &Console) -> Result<Code, Failure
     let usual = args.error.is_none().then(|| render::default_samples(&loaded.scene));
     let asked = Asked { samples: args.spp.or(usual), error: args.error, threads: 0 };
     let plan = pilot::plan(&loaded.scene, &options, &asked).map_err(|e| Failure::usage(e.to_string()))?;
-    let prices = if args.price { prices(&loaded.scene, &options, 0, &Quiet)? } else { None };
+    let prices = match (args.price, plan.shortcuts.is_empty()) {
+        (false, _) => None,
+        (true, false) => shortcuts::prices(&loaded.scene, &options, 0, &Quiet)?,
+        (true, true) => {
+            let sets: Vec<_> = shortcuts_of(&loaded.scene, &plan).into_iter().map(|s| vec![s]).collect();
+            shortcuts::prices_of(&loaded.scene, &options, &sets, 0, &Quiet)?
+        }
+    };
     let prices = prices.unwrap_or_default();
     if args.json {
         let explained = ExplainJson {

@@ -27,6 +27,7 @@ mod parts;
 mod progress;
 mod quote;
 mod render;
+mod rendered;
 mod saver;
 mod schema;
 mod shortcuts;

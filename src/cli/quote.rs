@@ -57,10 +57,6 @@ pub(super) struct QuoteArgs {
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
 
-    /// Cap on scattering events; 0 shows emission only [default: the scene's, else none]
-    #[arg(long, value_name = "N")]
-    max_depth: Option<u32>,
-
     #[command(flatten)]
     algorithms: AlgorithmArgs,
 
@@ -248,7 +244,6 @@ fn prepare(
     });
     let mut options = job.prepare;
     options.seed = args.seed;
-    options.max_depth = args.max_depth.or(options.max_depth);
     options.algorithms = algorithms;
     args.shortcuts.take(&mut options);
     let asked = Asked { threads: args.threads, ..Asked::default() };

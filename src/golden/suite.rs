@@ -264,6 +264,7 @@ mod tests {
             [[scene]]
             name = "ball"
             file = "b.glb"
+            caustics = "photon"
             truth = { reference = { spp = 64 } }
             "#,
         )
@@ -272,6 +273,8 @@ mod tests {
         assert_eq!((&suite.scenes[0].truth, suite.scenes[0].accepted()), (&Truth::Render, 0.0));
         assert_eq!(suite.scenes[1].accepted(), 0.01);
         assert_eq!(suite.scenes[2].truth, Truth::Reference { spp: 64 });
+        let caustics: Vec<_> = suite.scenes.iter().map(|s| s.caustics).collect();
+        assert_eq!(caustics, [CausticsBy::Path, CausticsBy::Path, CausticsBy::Photon]);
     }
 
     /// Guards the messages: the place, what was found, what was expected.

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::li::{Counters, FAR_CAP, interior};
+use super::li::interior;
+use super::path::{Counters, FAR_CAP};
 use super::scatter;
 use crate::accel::{PrimitiveId, RayKind};
 use crate::bsdf::{Bsdf, Transport};

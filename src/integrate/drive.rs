@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use super::li::Counters;
+use super::path::Counters;
 use super::photon::{Maps, Photon, Radius, Second, Seen, Splat, Tracer};
 use super::render::{BadSample, Busy, Control, Outcome, Progress, RenderError, RenderOptions};
 use crate::film::{CELL, ErrorEstimate, Film, Found, LightLayer, Refusal, Sample};

@@ -1,6 +1,7 @@
 //! `li` compiled for a few sets of effects.
 
-use super::li::{Counters, Layers, li, li_in_layers};
+use super::li::{li, li_in_layers};
+use super::path::{Counters, Layers};
 use super::photon::Maps;
 use crate::color::Rgb;
 use crate::prepare::{Effects, KERNELS, KernelSet, Plan, Prepared};

@@ -14,99 +14,18 @@
 
 use glam::Vec3;
 
-use super::direct::{direct_light, mis_weight};
+use super::direct::direct_light;
+use super::path::{Counters, FAR_CAP, Layers, NOWHERE, PathState, Sampled};
 use super::photon::{Maps, Place, gathered};
 use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::Rgb;
-use crate::film::{Found, LIGHT_CLASSES, LightLayer, light_class};
-use crate::light::{LightContext, LightId};
+use crate::light::LightContext;
 use crate::mutants::planted;
-use crate::prepare::{
-    Caustics, Detail, Effect, Effects, Kept, Medium, Prepared, PreparedMaterial, Surface, Way,
-};
+use crate::prepare::{Caustics, Detail, Effect, Effects, Medium, Prepared, PreparedMaterial, Surface};
 use crate::sampling::{Address, Purpose};
 use crate::shape::{Ray, offset_origin};
-
-/// Scattering events, and surfaces passed, after which a path is cut although nothing asks for it. Only paths that lose
-/// nothing at all get here (a camera in a closed box of perfect mirrors); they are counted.
-pub(super) const FAR_CAP: u32 = 10_000;
-
-/// What a ray leaves that does not start on a surface.
-const NOWHERE: [PrimitiveId; 2] = [PrimitiveId::NONE; 2];
-
-/// What a path did, for reports.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Counters {
-    /// Rays traced, shadow rays included.
-    pub rays: u64,
-    /// Paths cut by the far safety cap.
-    pub capped: u64,
-    /// Photons gathered from maps, by paths that look for caustics.
-    pub gathered: u64,
-    /// Rays by the [`LightLayer`] of the light that they look for, where layers are recorded: a shadow ray by that
-    /// of its light, any other by that of a light at its end, those of photons by that of caustics.
-    pub layer_rays: [u64; LightLayer::ALL.len()],
-    /// What they found of the light that photons can bring to the camera too: `E D (D|S)* L`.
-    pub found: Found,
-}
-
-/// The parts of a radiance, by number of their [`LightLayer`].
-pub type Layers = [Rgb; LightLayer::ALL.len()];
-
-/// Where a direction was sampled, and how probable it was: what the next emitter's weight depends on.
-#[derive(Clone, Copy)]
-struct Sampled {
-    context: LightContext,
-    pdf: f32,
-    /// Samples of lights that were taken there.
-    lights: f32,
-}
-
-impl Sampled {
-    /// The share of an emitter that was met by chance, where a sample of lights finds it with density `light`.
-    #[inline(always)]
-    fn weight(&self, light: f32) -> f32 {
-        mis_weight(self.pdf, self.lights * light)
-    }
-}
-
-/// A path on its way.
-#[derive(Clone)]
-struct PathState {
-    ray: Ray,
-    /// The primitives that the ray leaves: that of a surface, and of another that lies on it.
-    from: [PrimitiveId; 2],
-    /// Scattering events so far.
-    depth: u32,
-    /// Surfaces passed that were not there.
-    passed: u32,
-    /// Throughput.
-    beta: Rgb,
-    /// What the path has gathered.
-    radiance: Rgb,
-    /// Which parts that consists of, where layers are asked for.
-    layers: Layers,
-    /// Whether its first event had no spread, or a narrow one: the camera looks into a mirror or through glass.
-    through: bool,
-    /// How many of its events had a spread, and not a narrow one.
-    spread: u32,
-    /// Whether the last event had no spread, or a narrow one.
-    thrown: bool,
-    /// Whether it is `E D (S+ D)*` so far, or nothing yet: the form of which photons reach the camera directly.
-    linked: bool,
-    /// Which caustics it leaves to photons.
-    caustics: Caustics,
-    /// The last scattering event where it had a density; `None` after the camera and after delta lobes.
-    sampled: Option<Sampled>,
-    /// What the path is in.
-    medium: Medium,
-    /// Product of eta^2: what refractions have taken from `beta` and will give back.
-    eta_scale: f32,
-    /// Whether it goes on in several ways where what it meets first is a mirror or clear glass.
-    forks: bool,
-}
 
 enum Next {
     Continue,
@@ -178,136 +97,6 @@ fn ways<const FX: u32>(
     }
     let share = 1.0 / n as f32;
     (radiance * share, layers.map(|sum| sum * share))
-}
-
-impl PathState {
-    fn new(scene: &Prepared, ray: Ray) -> Self {
-        Self {
-            ray,
-            from: NOWHERE,
-            depth: 0,
-            passed: 0,
-            beta: Rgb::WHITE,
-            radiance: Rgb::BLACK,
-            sampled: None,
-            medium: scene.start,
-            eta_scale: 1.0,
-            layers: [Rgb::BLACK; LightLayer::ALL.len()],
-            through: false,
-            spread: 0,
-            thrown: false,
-            linked: true,
-            caustics: scene.plan.caustics,
-            forks: scene.plan.split > 1,
-        }
-    }
-
-    /// Whether light that the path meets now is a caustic: its last event had no spread, or a narrow one; an earlier
-    /// one had.
-    #[inline(always)]
-    fn meets_caustic(&self) -> bool {
-        self.thrown && self.spread > 0
-    }
-
-    /// Counts light that the path meets now and of which photons can say how much there is, unless they supply it.
-    #[inline(always)]
-    fn count(&self, scene: &Prepared, found: Rgb, light: LightId, counters: &mut Counters) {
-        let caustic = self.meets_caustic();
-        if self.depth == 0 || self.through || (caustic && self.caustics.by_photons(self.linked)) {
-            return;
-        }
-        let way = || Way { events: self.depth, spread: self.spread, caustic };
-        let found = scene.kept.of(found, way).luminance();
-        counters.found[light_class(scene.apart.number(light), caustic)] += f64::from(found);
-    }
-
-    /// Counts the same of light that was sampled at a vertex, on a material that may be `narrow`.
-    #[inline(always)]
-    fn count_lit(&self, scene: &Prepared, narrow: bool, found: Rgb, light: LightId, counters: &mut Counters) {
-        if self.through || (narrow && self.depth == 0) {
-            return;
-        }
-        let way = || self.way_lit(narrow);
-        let found = scene.kept.of(found, way).luminance();
-        counters.found[light_class(scene.apart.number(light), narrow)] += f64::from(found);
-    }
-
-    /// The layer of light that the path meets now.
-    #[inline(always)]
-    fn meets(&self) -> LightLayer {
-        match (self.depth, &self.sampled) {
-            (0, _) => LightLayer::Emitted,
-            _ if self.meets_caustic() => LightLayer::Caustic,
-            _ if self.through => LightLayer::Glass,
-            (1, _) => LightLayer::Direct,
-            _ => LightLayer::Indirect,
-        }
-    }
-
-    /// The layer of light that is sampled at the vertex where the path is now, on a material that may be `narrow`.
-    #[inline(always)]
-    fn samples(&self, narrow: bool) -> LightLayer {
-        match self.depth {
-            _ if narrow && self.spread > 0 => LightLayer::Caustic,
-            _ if self.through => LightLayer::Glass,
-            0 => LightLayer::Direct,
-            _ => LightLayer::Indirect,
-        }
-    }
-
-    /// Adds light that the path met on its way, unless photons supply it.
-    #[inline(always)]
-    fn meet<const LAYERS: bool>(&mut self, found: Rgb, kept: &Kept) {
-        if self.meets_caustic() && self.caustics.by_photons(self.linked) {
-            return;
-        }
-        let way = || Way { events: self.depth, spread: self.spread, caustic: self.meets_caustic() };
-        let radiance = planted!(clamp(kept.of(found, way)));
-        self.radiance += radiance;
-        if LAYERS {
-            self.layers[self.meets() as usize] += radiance;
-        }
-    }
-
-    /// The way of light that is sampled at the vertex where the path is now, on a material that may be `narrow`.
-    #[inline(always)]
-    fn way_lit(&self, narrow: bool) -> Way {
-        Way {
-            events: self.depth + 1,
-            spread: self.spread + u32::from(!narrow),
-            caustic: narrow && self.spread > 0,
-        }
-    }
-
-    /// Adds light that was sampled at a vertex that has a spread, on a material that may be `narrow`.
-    #[inline(always)]
-    fn lit<const LAYERS: bool>(&mut self, narrow: bool, found: Rgb, kept: &Kept) {
-        let radiance = planted!(clamp(kept.of(found, || self.way_lit(narrow))));
-        self.radiance += radiance;
-        if LAYERS {
-            self.layers[self.samples(narrow) as usize] += radiance;
-        }
-    }
-
-    /// Adds the light of photons around a vertex that has a spread, by class.
-    fn gather(&mut self, found: &[Rgb; LIGHT_CLASSES], kept: &Kept, counters: &mut Counters) {
-        for (class, &found) in found.iter().enumerate().filter(|(_, f)| !f.is_black()) {
-            // At least one event brought it here.
-            let caustic = class % 2 == 1;
-            let way = || Way { events: self.depth + 2, spread: self.spread + 1, caustic };
-            let radiance = kept.of(self.beta * found, way);
-            self.radiance += radiance;
-            let layer = match self.through {
-                _ if caustic => LightLayer::Caustic,
-                true => LightLayer::Glass,
-                false => LightLayer::Indirect,
-            };
-            self.layers[layer as usize] += radiance;
-            if !self.through {
-                counters.found[class] += f64::from(radiance.luminance());
-            }
-        }
-    }
 }
 
 /// From one vertex to the next, or from one that the path has arrived `at`, on; photons of `maps` are gathered where

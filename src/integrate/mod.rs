@@ -3,7 +3,8 @@
 //! In: a [`crate::prepare::Prepared`] scene. Out: a [`crate::film::Film`]. `li` is the path from the
 //! camera to roulette and reads on its own; `photon` finds caustics from the lights; `render` says what can be
 //! asked for and what comes of it, `drive` owns tiles, threads and progress; `kernels` holds `li` compiled for a
-//! few sets of effects; `probe` takes samples without making a picture of them; `naive` is the slow, obvious oracle of the tests; `report` is
+//! few sets of effects; `path` is what a path carries and gathers; `probe` takes samples without making a picture of them;
+//! `naive` is the slow, obvious oracle of the tests; `report` is
 //! the method of the student report that the project began with.
 
 mod direct;
@@ -11,6 +12,7 @@ mod drive;
 mod kernels;
 mod li;
 pub mod naive;
+mod path;
 mod photon;
 mod probe;
 mod render;
@@ -21,7 +23,7 @@ mod scatter;
 pub(crate) use direct::mis_weight;
 pub use drive::is_looked_at;
 pub use kernels::{Kernel, LiFn, kernel};
-pub use li::{Counters, Layers};
+pub use path::{Counters, Layers};
 pub(crate) use photon::{Radius, photons};
 pub(crate) use probe::{Probe, Probed};
 pub use render::{

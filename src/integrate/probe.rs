@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::kernels::{Kernel, kernel};
-use super::li::Counters;
+use super::path::Counters;
 use super::photon::{Maps, Radius, Tracer};
 use super::render::sample;
 use crate::film::LightLayer;

@@ -8,7 +8,8 @@ use std::time::Duration;
 
 use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
-use super::li::{Counters, first_surface};
+use super::li::first_surface;
+use super::path::Counters;
 use super::photon::{Maps, Radius, Second, Tracer};
 use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample, Squares};
 use crate::prepare::{PrepareError, Prepared};

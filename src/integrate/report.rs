@@ -25,7 +25,7 @@ use glam::Vec3;
 use rand::RngExt as _;
 
 use super::drive::{Source, drive};
-use super::li::Counters;
+use super::path::Counters;
 use super::photon::Maps;
 use super::render::{Control, Outcome, RenderError, RenderOptions};
 use crate::bsdf::fresnel;

@@ -8,9 +8,9 @@ use std::ops::Range;
 use crate::integrate::{Probe, Probed, Radius, photons};
 use crate::prepare::Prepared;
 
-/// Rays that a photon takes as long as, which is gathered from a map: what the scenes of the project take with maps,
-/// less what their rays take.
-const RAYS_OF_GATHERED: f64 = 0.1;
+/// Rays that take as long as gathering one photon from a map: on hexroom, the scene whose paths gather most, 24
+/// million photons took 5.0 s where a ray took 0.37 us, the making of the maps included.
+const RAYS_OF_GATHERED: f64 = 0.5;
 
 /// Replications of a trial.
 pub(super) const REPLICATIONS: usize = 4;

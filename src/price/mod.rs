@@ -6,6 +6,9 @@
 //! of each other, and give the intervals. Their seeds have a domain of their own, so that a picture and its price
 //! share no noise.
 //!
+//! No pilot runs: both are rendered with the choices that were asked for, or that hold without one. So a price does not
+//! depend on how many samples the picture takes.
+//!
 //! Work is counted in rays, and the runs are of fixed size, so that prices are a function of scene, settings and
 //! nothing else, and may stand in a picture. Seconds are measured beside them, for people.
 //!

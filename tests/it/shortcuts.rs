@@ -241,3 +241,42 @@ fn mistakes_about_shortcuts_are_explained() {
     let said = folder.run(&format!("{SMALL} -o t.png --method report --strict"));
     assert_eq!(said.code, Some(5), "{}", said.err);
 }
+
+/// Guards that whoever asks for prices and for no shortcut learns what each would cost that makes sense, and only those.
+#[test]
+fn prices_of_all_that_makes_sense() {
+    let folder = Folder::new();
+    folder.write(
+        "ball.toml",
+        "epsilux = 1
+render.size = [8, 6]
+material.floor = { diffuse = [0.5, 0.5, 0.5] }
+camera.a = { eye = [0, 1, 5], target = [0, 0, 0], fov = 40 }
+environment = { radiance = [1, 1, 1] }
+[[object]]
+material = \"floor\"
+sphere = { radius = 1 }
+",
+    );
+    let said = folder.done("explain ball.toml --price --json");
+    let explained: Value = serde_json::from_str(&said.out).unwrap();
+    let flags: Vec<_> =
+        explained["prices"].as_array().unwrap().iter().map(|p| p["shortcuts"][0].as_str().unwrap()).collect();
+    assert_eq!(
+        flags,
+        [
+            "--without indirect",
+            "--without environment",
+            "--without diffuse",
+            "--max-depth 1",
+            "--max-depth 2",
+            "--max-depth 4",
+            "--max-depth 8",
+            "--clamp 10"
+        ]
+    );
+    // A ball under a sky: nothing is lit twice, and the sky is all that shines.
+    assert_eq!(explained["prices"][0]["bias"], 0.0);
+    assert_eq!(explained["prices"][1]["bias"], -1.0);
+    assert!(explained.get("shortcuts").is_none());
+}

@@ -119,7 +119,7 @@ fn all_choices_at_once() {
         file("cornell", include_str!("../../scenes/cornell.toml")),
         file("materials", include_str!("../../scenes/materials.toml")),
     ];
-    check(rooms, ALL, 256, 0.1);
+    check(rooms, ALL, 768, 0.1);
 }
 
 /// Guards splitting with photons: which of them a path gathers depends on where it split.

@@ -38,7 +38,7 @@ use trace::{Route, Walk};
 
 use std::ops::Range;
 
-use super::li::Counters;
+use super::path::Counters;
 use crate::film::LightLayer;
 use crate::light::SphereLight;
 use crate::prepare::{Casting, Caustics, Indirect, Photons, Prepared};

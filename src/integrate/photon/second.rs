@@ -16,7 +16,7 @@
 use super::splat::splat;
 use super::trace::{Route, Walk, walk};
 use crate::film::{Film, Glimpse};
-use crate::integrate::li::Counters;
+use crate::integrate::path::Counters;
 use crate::prepare::{Photons, Prepared};
 use crate::sampling::{Address, PhotonUse};
 

@@ -3,7 +3,8 @@
 use super::trace::{Landing, spread};
 use crate::accel::RayKind;
 use crate::color::Rgb;
-use crate::integrate::li::{Counters, FAR_CAP, interior, medium_beyond};
+use crate::integrate::li::{interior, medium_beyond};
+use crate::integrate::path::{Counters, FAR_CAP};
 use crate::prepare::{Prepared, Way};
 use crate::sampling::warp::square_to_disk;
 use crate::sampling::{Address, Purpose};
