@@ -24,6 +24,9 @@ const FALSE_ALARMS: f64 = 1e-4;
 /// The light that is missing counts from this share of the estimated error on: squared it is added to a square.
 const MATERIAL: f64 = 0.25;
 
+/// Share of the squared error of finer cells that coarser ones show at least, where the same is missing all over.
+const COARSER: f64 = 0.9;
+
 /// Standard errors that are taken from the difference, where it says how much is missing at least.
 const AT_LEAST: f64 = 2.0;
 
@@ -158,7 +161,8 @@ impl Film {
         let limit = (2.0 * libm::log(tests / FALSE_ALARMS)).sqrt();
         // Where noise is so large that nobody knows how large, that is no reason to keep quiet.
         let bearable = error.min(ErrorEstimate::NOISIEST);
-        let mut worst: Option<(f64, Doubt)> = None;
+        // The squared error that is missing, the level, and what is said of it.
+        let mut worst: Option<(f64, usize, Doubt)> = None;
         for level in cells.chunk_by(|a, b| a.level == b.level) {
             for class in classes.iter().map(|&k| Some(k)).chain([None]) {
                 // The squared error that is missing in significant cells, and that in the worst of them.
@@ -185,12 +189,15 @@ impl Film {
                         doubt = Some(Doubt::LightNotFound { pixels: cell.pixels, share, light, caustic });
                     }
                 }
-                if squares.sqrt() > MATERIAL * bearable && worst.is_none_or(|(w, _)| squares > w) {
-                    worst = doubt.map(|d| (squares, d));
+                // In fine cells noise adds to it, so that coarser ones may show a little less of the same.
+                let coarser = |l: usize| class.is_some() && level[0].level > l;
+                let more = |w: f64, l| squares > w * if coarser(l) { COARSER } else { 1.0 };
+                if squares.sqrt() > MATERIAL * bearable && worst.is_none_or(|(w, l, _)| more(w, l)) {
+                    worst = doubt.map(|d| (squares, level[0].level, d));
                 }
             }
         }
-        worst.map(|(_, doubt)| doubt)
+        worst.map(|(.., doubt)| doubt)
     }
 }
 
@@ -228,7 +235,8 @@ mod tests {
         let luminance = (4.0 * light * f64::from(columns * SIDE)) as f32;
         let seen = |i: u32| Glimpse {
             photon: i,
-            pixel: (i / 4 * 7919 % SIDE) * SIDE + i / 4 * 104_729 % columns,
+            pixel: (unit(u64::from(i) << 20) * f64::from(SIDE)) as u32 * SIDE
+                + (unit(u64::from(i) << 20 | 1) * f64::from(columns)) as u32,
             class: class as u8,
             luminance,
         };

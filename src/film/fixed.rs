@@ -59,7 +59,9 @@ impl FixedPoint {
     #[must_use]
     pub fn about_mean(&self, sum: i128, n: u32) -> f64 {
         const HIGH: f64 = 18_446_744_073_709_551_616.0; // 2^64
-        let about = (sum >> 64) as i64 as f64 * HIGH + sum as u64 as f64;
+        let size = sum.unsigned_abs();
+        let about = (size >> 64) as u64 as f64 * HIGH + size as u64 as f64;
+        let about = if sum < 0 { -about } else { about };
         if n == 0 { 0.0 } else { about * self.from_int / f64::from(n) }
     }
 }

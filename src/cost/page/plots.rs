@@ -250,6 +250,6 @@ mod tests {
         };
         assert_eq!(said(0.5, 200.0), "1 s, 10 s, 1 min");
         assert_eq!(said(0.9, 30.0), "1 s, 2 s, 5 s, 10 s, 30 s");
-        assert_eq!(said(0.04, 1e6), "100 ms, 10 s, 10 min, 10 h, 10 d");
+        assert_eq!(said(0.04, 1e6), "0.1 s, 10 s, 10 min, 10 h, 10 d");
     }
 }
