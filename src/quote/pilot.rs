@@ -148,11 +148,12 @@ pub fn pilot(
     control: &dyn Control,
 ) -> Result<Pilot, RenderError> {
     let plain = RenderOptions { layers: false, layer_noise: false, features: false, ..options.clone() };
-    let film = Film::new(layout(scene, &plain));
-    let pixels = film.pixels() as u64;
+    let [.., width, height] = layout(scene, &plain).crop;
+    let pixels = u64::from(width) * u64::from(height);
     let every = (pixels / PIXELS).clamp(1, u64::from(u32::MAX)) as u32;
     let notes = Notes { curve: Mutex::new(Curve::new(every)), control };
     let options = RenderOptions { passes: 0..FIRST, every, time: None, error: None, ..plain };
+    let film = Film::new(layout(scene, &options));
     let first = render_onto(scene, film, &options, &notes)?;
     let affordable = rays.saturating_mul(u64::from(FIRST)) / first.counters.rays.max(1);
     let planned = (affordable.min(u64::from(PASSES.end)) as u32).max(PASSES.start) / FIRST * FIRST;

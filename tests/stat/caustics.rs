@@ -194,7 +194,7 @@ fn everything_at_once() {
         LightKind::Area { .. } => false,
     };
     scene.lights.retain(|l| !delta(&l.kind));
-    check_all(vec![("everything".to_owned(), scene)], [512, 512], |_| 0.4);
+    check_all(vec![("everything".to_owned(), scene)], [1024, 512], |_| 0.4);
 }
 
 fn photons(unbiased: bool) -> Algorithms {

@@ -35,7 +35,10 @@ fn renders_stop_where_they_were_quoted_to() {
     ] {
         for i in 0..6 {
             let scene = prepared(text, 32, &format!("quote {name} {i}"));
-            let quote = pilot_of(&scene, rays).quote(error).expect("a pilot that can be trusted");
+            let pilot = pilot_of(&scene, rays);
+            let quote = pilot
+                .quote(error)
+                .unwrap_or_else(|| panic!("{name} {i}: {:?} of {}", pilot.error, pilot.passes));
             let options = RenderOptions { error: Some(error), ..RenderOptions::passes(0..8192) };
             let outcome = render(&scene, &options, &Quiet).expect("passes");
             assert!(outcome.reached, "{name}");
