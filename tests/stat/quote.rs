@@ -28,13 +28,13 @@ fn pilot_of(scene: &Prepared, rays: u64) -> Pilot {
 #[test]
 fn renders_stop_where_they_were_quoted_to() {
     let (mut near, mut held, mut runs) = (0, 0, Vec::new());
-    for (name, text, error, rays) in [
-        ("cornell", CORNELL, 0.06, 150_000),
-        ("penumbra", PENUMBRA, 0.02, 60_000),
-        ("sheen", SHEEN, 0.04, 150_000),
+    for (name, text, side, error, rays) in [
+        ("cornell", CORNELL, 64, 0.06, 600_000),
+        ("penumbra", PENUMBRA, 32, 0.02, 60_000),
+        ("sheen", SHEEN, 32, 0.04, 150_000),
     ] {
         for i in 0..6 {
-            let scene = prepared(text, 32, &format!("quote {name} {i}"));
+            let scene = prepared(text, side, &format!("quote {name} {i}"));
             let pilot = pilot_of(&scene, rays);
             let quote = pilot
                 .quote(error)
