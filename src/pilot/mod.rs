@@ -4,8 +4,8 @@
 //! choices are made: how caustics are found, how many samples of lights a first hit takes, whether paths split at
 //! the first glass, where roulette starts; each with the figures that it was decided by.
 //!
-//! A pilot renders small pictures of the same view by the choices in question ([`trial`]), with random numbers that no
-//! picture has, and takes what needs the least work for the same error ([`judge`]): rays times squared error, both
+//! A pilot renders small pictures of the same view by the choices in question (`trial`), with random numbers that no
+//! picture has, and takes what needs the least work for the same error (`judge`): rays times squared error, both
 //! counted. What changes is first seen to gain more than a tenth and more than two standard errors, and is then
 //! tried once more with other numbers. All of this is a function of scene, options and the error that is asked for:
 //! renders of 64 samples and more have one plan, and so have their parts; below, and in pictures too small for it,
@@ -86,10 +86,10 @@ pub fn prepare(scene: &Scene, options: &Options, asked: &Asked) -> Result<Prepar
     }
 }
 
-/// The plan that [`prepare`] would take.
+/// The plan that [`prepare()`] would take.
 ///
 /// # Errors
-/// As [`prepare`].
+/// As [`prepare()`].
 pub fn plan(scene: &Scene, options: &Options, asked: &Asked) -> Result<Plan, PrepareError> {
     let plan = analyse(scene, camera_of(scene, options)?, options);
     match small(scene, options, asked, &plan)? {
