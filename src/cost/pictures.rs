@@ -71,6 +71,8 @@ const PIXELS: f64 = 1.3e6;
 const WIDTHS: [f64; 2] = [64.0, 320.0];
 /// Times the full picture's time that equal error may take.
 const LONGEST: f64 = 4.0;
+/// A way takes at least this share of the time that its work suggests.
+const LEAST_OF_WORK: f64 = 0.1;
 /// A layer that holds less of the light is not shown.
 const NEXT_TO_NOTHING: f64 = 1e-5;
 
@@ -91,7 +93,10 @@ pub(super) fn render(
     // A pass of a picture is so many passes of a measured one, and takes so long.
     let (larger, end) = (pixels(size) / pixels(options.measured), work.done + budget);
     let scale = pixels(size) / pixels(options.prepare.size);
-    let seconds = |i: usize| measured[i].seconds_per_pass * scale;
+    // Clocks of processors tick slowly: what takes less than a tick does not take nothing, but as its work has it.
+    let ticked: f64 = measured.iter().map(|m| m.seconds_per_pass).sum();
+    let of_work = (ticked / units.iter().sum::<f64>()).max(f64::MIN_POSITIVE);
+    let seconds = |i: usize| measured[i].seconds_per_pass.max(LEAST_OF_WORK * of_work * units[i]) * scale;
     let each = budget / (2 * ways.len() + 2) as f64;
     let passes = (each / (units[0] * larger)).clamp(1.0, 4096.0).floor();
     let time = passes * seconds(0);
