@@ -20,11 +20,9 @@ pub(super) fn choices(plan: &Plan) -> [(&'static str, String); 4] {
 
 /// The flags that ask for the choices of a plan.
 pub(super) fn flags(plan: &Plan) -> String {
-    let caustics = match plan.caustics {
-        Caustics::Path => "path",
-        Caustics::Traced | Caustics::Photon => "photon",
-    };
-    let unbiased = if plan.caustics == Caustics::Traced { " --unbiased" } else { "" };
+    let (mode, unbiased) = plan.caustics.mode();
+    let caustics = if mode == CausticsMode::Path { "path" } else { "photon" };
+    let unbiased = if unbiased { " --unbiased" } else { "" };
     let asked = [
         format!("caustics={caustics}"),
         format!("light-samples={}", plan.light_samples),
@@ -40,17 +38,14 @@ pub(super) fn adopt(scene: &Scene, options: &mut Options, identity: &Identity) -
     let value = |name: &str| identity.0.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str());
     let number = |asked: Option<u32>, name: &str| asked.or_else(|| value(name)?.parse().ok());
     let asked = options.algorithms;
-    let by_photons = |unbiased| (CausticsMode::Photon, unbiased || asked.unbiased);
-    let (caustics, unbiased) = match value("caustics") {
-        Some(name) if asked.caustics == CausticsMode::Auto => {
-            match [Caustics::Path, Caustics::Traced, Caustics::Photon].into_iter().find(|c| c.name() == name)
-            {
-                Some(Caustics::Traced) => by_photons(true),
-                Some(Caustics::Photon) => by_photons(false),
-                Some(Caustics::Path) | None => (CausticsMode::Path, asked.unbiased),
-            }
+    let saved = value("caustics").filter(|_| asked.caustics == CausticsMode::Auto);
+    let (caustics, unbiased) = match saved {
+        Some(name) => {
+            let all = [Caustics::Path, Caustics::Traced, Caustics::Photon];
+            let (mode, unbiased) = all.into_iter().find(|c| c.name() == name).unwrap_or_default().mode();
+            (mode, unbiased || asked.unbiased)
         }
-        _ => (asked.caustics, asked.unbiased),
+        None => (asked.caustics, asked.unbiased),
     };
     options.algorithms = Algorithms {
         caustics,

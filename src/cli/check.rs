@@ -13,7 +13,7 @@ use super::signal::Stop;
 use super::units::show_time;
 use super::{Code, load, render};
 use crate::check::{self, Bound, Case, Effort, Figure, Finding, Says, cases, check_scene};
-use crate::integrate::{Control, RunError};
+use crate::integrate::RunError;
 
 #[derive(Serialize)]
 struct CheckJson {
@@ -98,15 +98,6 @@ fn prices(json: bool, console: &Console) -> Result<Code, Failure> {
     Ok(Code::Done)
 }
 
-/// Asks for an end on a signal.
-struct Stoppable(Stop);
-
-impl Control for Stoppable {
-    fn cancelled(&self) -> bool {
-        self.0.requested()
-    }
-}
-
 /// Pictures of a scene of one's own are this wide.
 const WIDTH: u32 = 64;
 
@@ -120,8 +111,8 @@ fn own(args: &CheckArgs, path: &Path, console: &Console) -> Result<Code, Failure
     let size =
         [WIDTH, (u64::from(WIDTH) * u64::from(h) / u64::from(w)).clamp(1, 4 * u64::from(WIDTH)) as u32];
     let index = loaded.scene.cameras.iter().position(|c| c.name == name).unwrap_or(0);
-    let stop = Stoppable(Stop::listen());
-    let findings = check_scene(&loaded.scene, index, size, &stop).map_err(|e| match (e, stop.0.code()) {
+    let stop = Stop::listen();
+    let findings = check_scene(&loaded.scene, index, size, &stop).map_err(|e| match (e, stop.code()) {
         (RunError::Cancelled, Some(code)) => Failure::stopped(code, "stopped"),
         (e, _) => Failure::load(format!("{}: {e}", path.display())),
     })?;

@@ -17,7 +17,7 @@ use super::stated::error_line;
 use super::units::{self, show_range, show_time};
 use super::{Code, load, render};
 use crate::film::LightLayer;
-use crate::integrate::{Control, RenderOptions};
+use crate::integrate::RenderOptions;
 use crate::pilot::{self as pilots, Asked};
 use crate::prepare::{Algorithms, Caustics, CausticsMode, Prepared};
 use crate::quote::{EffectShare, Pilot, Quote, RAYS, pilot};
@@ -144,15 +144,6 @@ struct AlternativeJson {
     price: PriceJson,
 }
 
-/// Passes on the wish to stop.
-struct Listening(Stop);
-
-impl Control for Listening {
-    fn cancelled(&self) -> bool {
-        self.0.requested()
-    }
-}
-
 /// Another estimator, and what it would cost.
 struct Alternative {
     /// As it is typed.
@@ -163,10 +154,10 @@ struct Alternative {
 pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> {
     let loaded = load::load(&args.scene)?;
     let camera = render::camera(&loaded.scene, args.camera.as_deref())?;
-    let listening = Listening(Stop::listen());
+    let stop = Stop::listen();
     let look = |prepared: &Prepared| -> Result<Pilot, Failure> {
         let options = RenderOptions { threads: args.threads, ..RenderOptions::passes(0..1) };
-        pilot(prepared, &options, args.rays, &listening).map_err(|e| Failure::usage(e.to_string()))
+        pilot(prepared, &options, args.rays, &stop).map_err(|e| Failure::usage(e.to_string()))
     };
     let asked = args.algorithms.meant();
     let prepared = prepare(&loaded.scene, camera, args, asked)?;
@@ -185,7 +176,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
             alternatives.push(Alternative { algorithm: "caustics=photon", quote });
         }
     }
-    if let Some(code) = listening.0.code() {
+    if let Some(code) = stop.code() {
         return Ok(code);
     }
     let errors = if args.error.is_empty() { ERRORS.to_vec() } else { args.error.clone() };

@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::failure::Failure;
-use crate::integrate::{Control, RunError};
+use crate::integrate::{Control, RunError, StopOnly};
 use crate::prepare::{Fresnel, Omission, Options, Shortcut};
 use crate::price::{self, Better, Budget, Estimate, Price, Priced};
 use crate::scene::Scene;
@@ -98,19 +98,10 @@ pub(super) fn prices_of(
     control: &dyn Control,
 ) -> Result<Option<Vec<Priced>>, Failure> {
     let budget = Budget { threads, ..Budget::default() };
-    match price::price(scene, options, sets, &budget, &Cancels(control)) {
+    match price::price(scene, options, sets, &budget, &StopOnly(control)) {
         Ok(priced) => Ok(Some(priced)),
         Err(RunError::Cancelled) => Ok(None),
         Err(e) => Err(Failure::usage(e.to_string())),
-    }
-}
-
-/// Passes on whether to stop, and shows nothing: how far prices are is not how far the render is.
-struct Cancels<'a>(&'a dyn Control);
-
-impl Control for Cancels<'_> {
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
     }
 }
 

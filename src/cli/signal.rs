@@ -10,6 +10,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::Code;
+use crate::integrate::Control;
 
 /// Whether someone asked to stop.
 pub(super) struct Stop {
@@ -44,5 +45,12 @@ impl Stop {
         } else {
             None
         }
+    }
+}
+
+/// Ends a render, and watches nothing else of it.
+impl Control for Stop {
+    fn cancelled(&self) -> bool {
+        self.requested()
     }
 }

@@ -11,6 +11,8 @@
 //!
 //! so that E^2 = B + V, each without bias of its own where the reference has none.
 
+use crate::stats::{ERROR_FLOOR, NORMAL_95};
+
 /// A long render: its luminance, and the variance of each pixel of it.
 pub(super) struct Reference {
     pub(super) luminance: Vec<f64>,
@@ -24,12 +26,8 @@ pub(super) struct Reference {
     pub(super) total: f64,
 }
 
-/// Share of the mean luminance that is added to what errors are divided by.
-const FLOOR: f64 = 0.1;
 /// Side of the blocks of pixels that count as independent.
 const BLOCK: usize = 8;
-/// The two-sided 95 % quantile of the normal distribution.
-const Z: f64 = 1.959_963_984_540_054;
 
 impl Reference {
     /// The mean of independent pictures of `width` pixels a row; `None` where they are black, or fewer than two.
@@ -41,7 +39,7 @@ impl Reference {
         let (luminance, variance) = moments(pictures.iter().map(Vec::as_slice));
         let variance: Vec<f64> = variance.into_iter().map(|v| v / n).collect();
         let total: f64 = luminance.iter().sum();
-        let c = FLOOR * total / luminance.len() as f64;
+        let c = ERROR_FLOOR * total / luminance.len() as f64;
         if c.is_nan() || c <= 0.0 {
             return None;
         }
@@ -114,7 +112,7 @@ impl Parts {
             variance,
             variances: pictures.iter().map(apart).collect(),
             bias: mean(biases.iter().copied()),
-            bias_within: Z * standard_error(&biases, reference.width),
+            bias_within: NORMAL_95 * standard_error(&biases, reference.width),
             totals: pictures.iter().map(|p| p.iter().sum()).collect(),
         }
     }

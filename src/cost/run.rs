@@ -4,6 +4,7 @@ use super::measure::Observer;
 use crate::film::{ErrorEstimate, Film, Image};
 use crate::integrate::{Control, Counters, Progress, RenderOptions, RunError, layout, render_onto};
 use crate::prepare::Prepared;
+use crate::stats;
 
 /// How far the whole measurement is, in units of work that were estimated beforehand.
 pub(super) struct Work<'a> {
@@ -107,9 +108,5 @@ impl Work<'_> {
 
 /// Luminance of each pixel, as the error has it.
 pub(super) fn luminance(image: &Image) -> Vec<f64> {
-    image
-        .rgb
-        .iter()
-        .map(|c| 0.2126 * f64::from(c.r) + 0.7152 * f64::from(c.g) + 0.0722 * f64::from(c.b))
-        .collect()
+    image.rgb.iter().map(|&c| stats::luminance(c)).collect()
 }

@@ -15,8 +15,8 @@
 //! is passed over.
 
 use super::cross::{Level, relative};
-use super::error::FLOOR;
 use super::{ErrorEstimate, Film, LIGHT_CLASSES};
+use crate::stats::ERROR_FLOOR;
 
 /// Chance that sound paths are doubted, at most.
 const FALSE_ALARMS: f64 = 1e-4;
@@ -154,7 +154,7 @@ impl Film {
     /// Light that photons bring and paths did not find, beside the estimate of the picture's error.
     pub(super) fn light_not_found(&self, error: f64) -> Option<Doubt> {
         let cells = self.cross_cells();
-        let c = FLOOR * cells.last()?.luminance / self.pixels() as f64;
+        let c = ERROR_FLOOR * cells.last()?.luminance / self.pixels() as f64;
         let seen = |&k: &usize| cells.iter().any(|c| c.by_class[k].photons > 0.0);
         let classes: Vec<usize> = (0..LIGHT_CLASSES).filter(seen).collect();
         let tests = (cells.len() * (classes.len() + 1)) as f64;

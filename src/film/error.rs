@@ -26,18 +26,13 @@
 
 use super::doubt::Shown;
 use super::{Doubt, Film, Tail};
+use crate::stats::{ERROR_FLOOR, NORMAL_95, luminance_of};
 
 /// What the squares of the pixels' estimates are taken times; between what normal noise and heavy tails ask for.
 const SPREAD: f64 = 1.75;
-/// The two-sided 95 % quantile of the normal distribution.
-const Z: f64 = 1.959_963_984_540_054;
-/// Share of the mean luminance that is added to what errors are divided by: c above.
-pub(super) const FLOOR: f64 = 0.1;
 /// What the delta method leaves of the relative bias of E^2, times E^2: at most, in simulations of uniform,
 /// exponential and rare samples up to [`ErrorEstimate::NOISIEST`].
 const LEFT: f64 = 1.5;
-/// Luminance of Rec. 709.
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// An estimate of the error of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +82,7 @@ impl Squares {
         let relative = (sampling + (LEFT * mean) * (LEFT * mean)).sqrt();
         let error = mean.sqrt();
         // Errors are positive, and their square spreads by a factor: hence the logarithm, halved by the root.
-        let factor = libm::exp(0.5 * Z * relative);
+        let factor = libm::exp(0.5 * NORMAL_95 * relative);
         let effective_pixels = if squares > 0.0 { sum * sum / squares } else { n };
         let doubt = if error > ErrorEstimate::NOISIEST {
             Some(Doubt::TooNoisy)
@@ -134,7 +129,7 @@ impl Film {
         let of_pixel = |(sums, counts): (&[[i128; 3]], &[u32])| {
             let own = sums.iter().zip(counts).filter(|(_, n)| **n > 0);
             let means: Vec<_> =
-                own.map(|(s, &n)| (luminance(s.map(|s| format.mean(s, n))), f64::from(n))).collect();
+                own.map(|(s, &n)| (luminance_of(s.map(|s| format.mean(s, n))), f64::from(n))).collect();
             (means.len() >= 2).then(|| Shown { luminance: pooled(&means).0, variance: variance(&means) })
         };
         let pixels = self.sums.chunks(k).zip(self.counts.chunks(k));
@@ -152,7 +147,7 @@ impl Film {
         for (sums, counts) in self.sums.chunks(k).zip(self.counts.chunks(k)) {
             let before = means.len();
             for (sums, &n) in sums.iter().zip(counts).filter(|(_, n)| **n > 0) {
-                means.push((luminance(sums.map(|s| format.about_mean(s, n))), f64::from(n)));
+                means.push((luminance_of(sums.map(|s| format.about_mean(s, n))), f64::from(n)));
             }
             match means.len() - before {
                 0 => {}
@@ -168,14 +163,9 @@ impl Film {
         if total <= 0.0 {
             return None;
         }
-        let c = FLOOR * total / ends.len() as f64;
+        let c = ERROR_FLOOR * total / ends.len() as f64;
         Some(Squares { of_pixels: pixels().map(|m| relative_variance(m, c) as f32).collect() })
     }
-}
-
-/// Of linear Rec. 709.
-pub(super) fn luminance(c: [f64; 3]) -> f64 {
-    c.iter().zip(LUMINANCE).map(|(c, w)| w * c).sum()
 }
 
 /// Mean and count of some replications together.
@@ -271,7 +261,7 @@ mod tests {
                     film.add(pixel, pass, &Sample { radiance, ..Sample::default() }).expect("a radiance");
                 }
             }
-            let c = FLOOR * truth.iter().sum::<f64>() / truth.len() as f64;
+            let c = ERROR_FLOOR * truth.iter().sum::<f64>() / truth.len() as f64;
             let image = film.to_image();
             let squares = truth.iter().zip(&image.rgb).map(|(r, i)| {
                 let d = f64::from(i.g) - r;

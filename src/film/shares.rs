@@ -7,9 +7,9 @@
 //! whole, so each part has a share of its own, though parts of one path go together. A share may be
 //! negative where a part is darker when the others are brighter.
 
-use super::error::FLOOR;
 use super::sums::LAYERS;
 use super::{Film, LightLayer};
+use crate::stats::ERROR_FLOOR;
 
 /// A part of the light: what it is of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ impl Film {
         if total <= 0.0 {
             return None;
         }
-        let c = FLOOR * total / pixels.len() as f64;
+        let c = ERROR_FLOOR * total / pixels.len() as f64;
         let mut noise = [0.0; LAYERS];
         for means in pixels.iter().filter(|m| m.len() >= 2) {
             let mean = pooled(means);

@@ -101,7 +101,7 @@ impl Film {
         for (cells, n) in self.sums.chunks(k).zip(self.counts.chunks(k)) {
             let n: u32 = n.iter().sum();
             let of = |c: usize| self.layout.radiance.mean(cells.iter().map(|s| s[c]).sum(), n);
-            let mean = super::error::luminance([of(0), of(1), of(2)]);
+            let mean = crate::stats::luminance_of([of(0), of(1), of(2)]);
             let octave = octave(mean as f32);
             counts[octave] += u64::from(n);
             sums[octave] += mean * f64::from(n);

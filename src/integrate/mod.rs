@@ -27,7 +27,7 @@ pub use path::{Counters, Layers};
 pub(crate) use photon::{Radius, photons};
 pub(crate) use probe::{Probe, Probed};
 pub use render::{
-    BadSample, Busy, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, layout, render,
-    render_onto, replay, second_opinion,
+    BadSample, Busy, Control, Outcome, Progress, Quiet, RenderError, RenderOptions, RunError, StopOnly,
+    layout, render, render_onto, replay, second_opinion,
 };
 pub(crate) use roulette::survive;

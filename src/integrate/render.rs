@@ -123,6 +123,17 @@ pub struct Quiet;
 
 impl Control for Quiet {}
 
+/// Passes on the wish to stop, and nothing else: of several renders that are one piece of work, none shows how far
+/// that is.
+#[derive(Clone, Copy)]
+pub struct StopOnly<'a>(pub &'a dyn Control);
+
+impl Control for StopOnly<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
 /// A sample that the film refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BadSample {
@@ -355,7 +366,8 @@ pub fn render_onto(
     }
     let features = options.features || scene.transparent;
     let (layers, tracer) = (options.layers || options.layer_noise, Tracer::new(scene, layout.crop));
-    let second = Second::new(scene, layout.crop);
+    // What the film does not keep need not be traced.
+    let second = Second::new(scene, layout.crop).filter(|_| layout.cross);
     let source = Planned { scene, kernel: kernel(&scene.plan), tracer, second, features, layers };
     drive(&source, film, options, control)
 }

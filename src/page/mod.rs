@@ -25,6 +25,21 @@ pub(crate) fn document(title: &str, style: &str, body: &str, script: &str) -> St
     )
 }
 
+/// Where a page came from: facts, each with its name, and the command that made it; what there is none of is left out.
+pub(crate) fn origin(facts: &[(String, String)], command: &str) -> String {
+    let row = |(name, what): &(String, String)| {
+        format!("<div><dt>{}</dt><dd>{}</dd></div>\n", Text(name), Text(what))
+    };
+    let facts: String = facts.iter().map(row).collect();
+    let facts = if facts.is_empty() { facts } else { format!("<dl class=\"facts\">\n{facts}</dl>\n") };
+    let command = if command.is_empty() {
+        String::new()
+    } else {
+        format!("<pre><code>{}</code></pre>\n", Text(command))
+    };
+    facts + &command
+}
+
 /// Fails where an element does not end where it should, or an id occurs twice.
 #[cfg(test)]
 pub(crate) fn is_well_formed(html: &str) {

@@ -76,6 +76,20 @@ struct Promise {
     rays: f64,
 }
 
+/// Something of which there may be several.
+#[derive(Clone, Copy)]
+struct More {
+    about: &'static str,
+    /// What one is called, and two.
+    otherwise: &'static str,
+    two: &'static str,
+    /// Work of a trial of two, at most, in trials of one.
+    trials: f64,
+    /// Asks for so many, and says it.
+    set: fn(&mut Algorithms, u32),
+    words: fn(u32) -> String,
+}
+
 impl Pilot<'_> {
     /// Decides how caustics are found, and gives the trial by what is chosen.
     pub(super) fn caustics(&mut self) -> Result<Trial, PrepareError> {
@@ -258,26 +272,15 @@ impl Pilot<'_> {
             self.decide(ABOUT, "1", "there is no light");
             return Ok(None);
         }
-        if !self.affords(base, 1.0 + AGAIN) {
-            self.decide(ABOUT, "1", NOT_TRIED);
-            return Ok(None);
-        }
-        let trial = self.try_out(Algorithms { light_samples: Some(SEVERAL), ..self.chosen }, 0)?;
-        let Some(weights) = self.truth.weights() else { return Ok(None) };
-        let found = Several::new(base, &trial, SEVERAL, MOST_BRANCHES, &weights);
-        if found.is_worth() {
-            wanted.light_samples = Some(found.count);
-            let chosen = found.count.to_string();
-            return Ok(Some(Promise {
-                about: ABOUT,
-                chosen,
-                otherwise: "1".into(),
-                gain: found.gain,
-                rays: found.rays,
-            }));
-        }
-        self.decide(ABOUT, "1", found.not_worth("two"));
-        Ok(None)
+        let more = More {
+            about: ABOUT,
+            otherwise: "1",
+            two: "two",
+            trials: 1.0,
+            set: |algorithms, n| algorithms.light_samples = Some(n),
+            words: |n| n.to_string(),
+        };
+        self.more(base, wanted, &more)
     }
 
     fn splitting(&mut self, base: &Trial, wanted: &mut Algorithms) -> Result<Option<Promise>, PrepareError> {
@@ -294,26 +297,41 @@ impl Pilot<'_> {
             );
             return Ok(None);
         }
-        if !self.affords(base, 2.0 + AGAIN) {
-            self.decide(ABOUT, "none", NOT_TRIED);
+        let more = More {
+            about: ABOUT,
+            otherwise: "none",
+            two: "two ways",
+            trials: 2.0,
+            set: |algorithms, n| algorithms.split = Some(n),
+            words: |n| format!("{n} ways"),
+        };
+        self.more(base, wanted, &more)
+    }
+
+    /// Tries several of something instead of one, and promises what as many as pay would gain.
+    fn more(
+        &mut self,
+        base: &Trial,
+        wanted: &mut Algorithms,
+        more: &More,
+    ) -> Result<Option<Promise>, PrepareError> {
+        let More { about, otherwise, two, trials, set, words } = *more;
+        if !self.affords(base, trials + AGAIN) {
+            self.decide(about, otherwise, NOT_TRIED);
             return Ok(None);
         }
-        let trial = self.try_out(Algorithms { split: Some(SEVERAL), ..self.chosen }, 0)?;
+        let mut algorithms = self.chosen;
+        set(&mut algorithms, SEVERAL);
+        let trial = self.try_out(algorithms, 0)?;
         let Some(weights) = self.truth.weights() else { return Ok(None) };
         let found = Several::new(base, &trial, SEVERAL, MOST_BRANCHES, &weights);
-        if found.is_worth() {
-            wanted.split = Some(found.count);
-            let chosen = format!("{} ways", found.count);
-            return Ok(Some(Promise {
-                about: ABOUT,
-                chosen,
-                otherwise: "none".into(),
-                gain: found.gain,
-                rays: found.rays,
-            }));
+        if !found.is_worth() {
+            self.decide(about, otherwise, found.not_worth(two));
+            return Ok(None);
         }
-        self.decide(ABOUT, "none", found.not_worth("two ways"));
-        Ok(None)
+        set(wanted, found.count);
+        let (chosen, otherwise) = (words(found.count), otherwise.into());
+        Ok(Some(Promise { about, chosen, otherwise, gain: found.gain, rays: found.rays }))
     }
 
     fn roulette(&mut self, base: &Trial, wanted: &mut Algorithms) -> Result<Option<Promise>, PrepareError> {

@@ -4,9 +4,7 @@
 //! falls with the root of the work, so that whoever has half of it reaches the same error with half of the rays.
 
 use super::trial::{Means, REPLICATIONS, Trial, variance};
-
-/// Share of the mean luminance that is added to what errors are divided by.
-const FLOOR: f64 = 0.1;
+use crate::stats::ERROR_FLOOR;
 
 /// What the picture becomes, as far as all trials together know.
 #[derive(Clone, Debug, Default)]
@@ -28,7 +26,7 @@ impl Truth {
     /// What squared errors of pixels are multiplied by: 1 / (R^2 + c^2). `None` where all is black.
     pub(super) fn weights(&self) -> Option<Vec<f64>> {
         let mean = self.sums.iter().sum::<f64>() / (self.sums.len().max(1) as f64 * self.trials);
-        let c = FLOOR * mean;
+        let c = ERROR_FLOOR * mean;
         let weight = |sum: &f64| {
             let r = sum / self.trials;
             1.0 / (r * r + c * c)

@@ -83,6 +83,16 @@ impl Caustics {
         }
     }
 
+    /// What asks for it: the mode, and whether without bias.
+    #[must_use]
+    pub fn mode(self) -> (CausticsMode, bool) {
+        match self {
+            Self::Path => (CausticsMode::Path, false),
+            Self::Traced => (CausticsMode::Photon, true),
+            Self::Photon => (CausticsMode::Photon, false),
+        }
+    }
+
     /// What it does, a line for people.
     #[must_use]
     pub fn what(self) -> &'static str {

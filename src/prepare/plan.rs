@@ -6,7 +6,7 @@
 //! whatever kernel runs; pruning (kernels, tables) changes nothing: a test compares bytes.
 
 use super::EffectsMode;
-use super::algorithm::{Algorithms, Caustics, CausticsMode, Indirect};
+use super::algorithm::{Algorithms, Caustics, Indirect};
 use super::shortcuts::Shortcut;
 
 /// One thing light can do in a scene; declaration order is bit order and report order.
@@ -296,11 +296,7 @@ impl Plan {
     /// What asks for the choices of this plan, so that none is left to a pilot.
     #[must_use]
     pub fn algorithms(&self) -> Algorithms {
-        let (caustics, unbiased) = match self.caustics {
-            Caustics::Path => (CausticsMode::Path, false),
-            Caustics::Traced => (CausticsMode::Photon, true),
-            Caustics::Photon => (CausticsMode::Photon, false),
-        };
+        let (caustics, unbiased) = self.caustics.mode();
         Algorithms {
             caustics,
             unbiased,

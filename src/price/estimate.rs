@@ -18,14 +18,13 @@
 //! work, takes n / w samples in the same time and has the squared error B^2 + v' w / n. It is the better choice while
 //! n < (v - v' w) / B^2.
 
+use crate::stats::ERROR_FLOOR;
+
 /// Runs of each render.
 pub const RUNS: usize = 16;
 
 /// The two-sided 95 % quantile of Student's t with `RUNS - 1` degrees of freedom.
 const T: f64 = 2.131_449_545_559_323;
-
-/// Share of the mean luminance that is added to what errors are divided by.
-const FLOOR: f64 = 0.1;
 
 /// Side of the blocks of pixels whose means R is drawn to.
 const BLOCK: usize = 4;
@@ -191,7 +190,7 @@ impl Paired {
         if mean <= 0.0 {
             return None;
         }
-        let c = FLOOR * mean;
+        let c = ERROR_FLOOR * mean;
         let [a, b] = [0, 1].map(|h| weights(&sums[h], runs[h], width, c));
         let [even, odd] = sums;
         let halves =

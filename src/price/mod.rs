@@ -30,6 +30,7 @@ use crate::integrate::{self, Control, RenderOptions, RunError};
 use crate::math::{fnv1a, mix64};
 use crate::prepare::{self, Options, Plan, Shortcut, prepare};
 use crate::scene::Scene;
+use crate::stats::luminance;
 
 /// How much work a price is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -252,10 +253,6 @@ impl Run {
         }
         Self { pixels, layers }
     }
-}
-
-fn luminance(c: Rgb) -> f64 {
-    0.2126 * f64::from(c.r) + 0.7152 * f64::from(c.g) + 0.0722 * f64::from(c.b)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use super::fit::Law;
 use crate::film::Squares;
 use crate::integrate::is_looked_at;
 use crate::math::mix64;
+use crate::stats::NORMAL_95;
 
 /// Groups of pixels.
 const GROUPS: usize = 32;
@@ -19,8 +20,6 @@ const DRAWN: usize = 200;
 const BACK: u32 = 16;
 /// Fewer passes say little: each replication then has less than four samples.
 const FEWEST: u32 = 16;
-/// The two-sided 95 % quantile of the normal distribution.
-const Z: f64 = 1.959_963_984_540_054;
 
 /// Errors at growing numbers of passes.
 #[derive(Clone, Debug, Default)]
@@ -113,7 +112,7 @@ impl Curve {
         }
         let mean = logs.iter().sum::<f64>() / logs.len().max(1) as f64;
         let variance = logs.iter().map(|l| (l - mean) * (l - mean)).sum::<f64>() / logs.len().max(2) as f64;
-        let spread = libm::exp(Z * variance.sqrt());
+        let spread = libm::exp(NORMAL_95 * variance.sqrt());
         Some(Forecast { samples: stop(middle), interval: [stop(middle / spread), stop(middle * spread)] })
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::curve::{Curve, Forecast};
 use crate::film::{ErrorEstimate, Film, LayerShare, LightLayer};
 use crate::integrate::{
-    Control, Counters, Outcome, RenderError, RenderOptions, is_looked_at, layout, render_onto,
+    Control, Counters, Outcome, RenderError, RenderOptions, StopOnly, is_looked_at, layout, render_onto,
 };
 use crate::prepare::Prepared;
 
@@ -127,15 +127,6 @@ impl Control for Notes<'_> {
     }
 }
 
-/// Passes on the wish to stop, and nothing else.
-struct Stop<'a>(&'a dyn Control);
-
-impl Control for Stop<'_> {
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
-}
-
 /// Renders some pixels of a picture for as many passes as so many rays allow, but for the least that a curve needs;
 /// `options` say which threads, and which part of the picture.
 ///
@@ -176,7 +167,7 @@ pub fn pilot(
     };
     // What layers are recorded with costs time, which a render does not take.
     let parts = RenderOptions { passes: 0..(passes / PARTS).max(PASSES.start), layer_noise: true, ..options };
-    let parts = render_onto(scene, Film::new(layout(scene, &parts)), &parts, &Stop(control))?;
+    let parts = render_onto(scene, Film::new(layout(scene, &parts)), &parts, &StopOnly(control))?;
     Ok(Pilot {
         curve: notes.curve.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner),
         error,

@@ -3,6 +3,9 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use statrs::function::erf::{erfc, erfc_inv};
 
+/// The two-sided 95 % quantile of the normal distribution.
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+
 /// Probability that a standard normal number is at most `z`: erfc(-z / sqrt 2) / 2, accurate in both
 /// tails (Abramowitz and Stegun, 7.1 and 26.2).
 #[must_use]

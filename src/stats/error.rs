@@ -4,6 +4,10 @@
 
 use crate::color::Rgb;
 
+/// Share of the reference's mean luminance, c / mean R, that is added in squares to what differences are divided by, so
+/// that dark pixels do not count for everything.
+pub const ERROR_FLOOR: f64 = 0.1;
+
 /// The error E that every statement of this program about accuracy means, over luminance:
 ///
 /// ```text
@@ -14,7 +18,7 @@ use crate::color::Rgb;
 /// does not change with exposure. Infinite where the reference is black and the image is not.
 #[must_use]
 pub fn relative_error(image: &[Rgb], reference: &[Rgb]) -> f64 {
-    let floor = 0.1 * mean(reference.iter().map(|r| luminance(*r)));
+    let floor = ERROR_FLOOR * mean(reference.iter().map(|r| luminance(*r)));
     let term = |(i, r): (&Rgb, &Rgb)| {
         let (i, r) = (luminance(*i), luminance(*r));
         quotient((i - r) * (i - r), r * r + floor * floor)
@@ -36,8 +40,15 @@ pub fn root_mean_square_error(image: &[Rgb], reference: &[Rgb]) -> f64 {
     mean(channels(image, reference).map(|(i, r)| (i - r) * (i - r))).sqrt()
 }
 
-fn luminance(c: Rgb) -> f64 {
-    let [r, g, b] = c.to_array().map(f64::from);
+/// Luminance of a linear Rec. 709 colour, as every error has it.
+#[must_use]
+pub fn luminance(c: Rgb) -> f64 {
+    luminance_of(c.to_array().map(f64::from))
+}
+
+/// The same of red, green and blue.
+#[must_use]
+pub fn luminance_of([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 

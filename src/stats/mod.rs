@@ -10,8 +10,8 @@ mod moments;
 mod slope;
 
 pub use distributions::{
-    normal_cdf, normal_quantile, sidak, sidak_each, student_quantile, student_two_sided, two_sided,
+    NORMAL_95, normal_cdf, normal_quantile, sidak, sidak_each, student_quantile, student_two_sided, two_sided,
 };
-pub use error::{relative_error, relative_mse, root_mean_square_error};
+pub use error::{ERROR_FLOOR, luminance, luminance_of, relative_error, relative_mse, root_mean_square_error};
 pub use moments::{Moments, Welch, welch};
 pub use slope::slope;

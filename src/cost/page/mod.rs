@@ -16,7 +16,7 @@ use super::pictures::Pictures;
 use super::report::{CostReport, Measured};
 use super::switches::Kind;
 use crate::check;
-use crate::page::{document, picture, text};
+use crate::page::{self, document, picture, text};
 use text::Text;
 use words::Words;
 
@@ -96,16 +96,6 @@ fn of_kind(report: &CostReport, kind: Kind) -> impl Iterator<Item = (usize, &Mea
 
 /// How it was measured, and where the page came from.
 fn footer(report: &CostReport, about: &About, words: &Words<'_>) -> String {
-    let facts: String = about
-        .facts
-        .iter()
-        .map(|(name, what)| format!("<div><dt>{}</dt><dd>{}</dd></div>\n", Text(name), Text(what)))
-        .collect();
-    let facts = if facts.is_empty() { facts } else { format!("<dl class=\"facts\">\n{facts}</dl>\n") };
-    let command = if about.command.is_empty() {
-        String::new()
-    } else {
-        format!("<pre><code>{}</code></pre>\n", Text(&about.command))
-    };
-    format!("<footer>\n<h2>How this was measured</h2>\n{}{facts}{command}</footer>\n", words.method(report))
+    let origin = page::origin(&about.facts, &about.command);
+    format!("<footer>\n<h2>How this was measured</h2>\n{}{origin}</footer>\n", words.method(report))
 }

@@ -127,17 +127,7 @@ fn table(scenes: &[&Verification], ids: &[String]) -> String {
 
 /// How to read the page, and where it came from.
 fn footer(about: &About) -> String {
-    let facts: String = about
-        .facts
-        .iter()
-        .map(|(name, what)| format!("<div><dt>{}</dt><dd>{}</dd></div>\n", Text(name), Text(what)))
-        .collect();
-    let facts = if facts.is_empty() { facts } else { format!("<dl class=\"facts\">\n{facts}</dl>\n") };
-    let command = if about.command.is_empty() {
-        String::new()
-    } else {
-        format!("<pre><code>{}</code></pre>\n", Text(&about.command))
-    };
+    let origin = page::origin(&about.facts, &about.command);
     format!(
         "<footer>\n<h2>How to read this page</h2>\n\
          <p>Each scene is rendered with seeds that its reference did not use, and sums over its pixels are compared with \
@@ -146,7 +136,7 @@ fn footer(about: &About) -> String {
          of the least probable of all statistics like it (wholes, or tiles and waves), and decides. If nothing is wrong \
          anywhere, that happens to one scene or more with a probability of {}.</p>\n\
          <p><b>Notices</b> is the smallest shift of all light that would be refused with a probability of 99\u{a0}%. Pictures of \
-         differences help the eye; they decide nothing.</p>\n{facts}{command}</footer>\n",
+         differences help the eye; they decide nothing.</p>\n{origin}</footer>\n",
         Text(&probability(about.significance))
     )
 }
