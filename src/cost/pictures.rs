@@ -91,7 +91,7 @@ pub(super) fn render(
     let at_size =
         Options { size, seed: options.prepare.seed.wrapping_add(2 * APART), ..options.prepare.clone() };
     // A pass of a picture is so many passes of a measured one, and takes so long.
-    let (larger, end) = (pixels(size) / pixels(options.measured), work.done + budget);
+    let larger = pixels(size) / pixels(options.measured);
     let scale = pixels(size) / pixels(options.prepare.size);
     // Clocks of processors tick slowly: what takes less than a tick does not take nothing, but as its work has it.
     let ticked: f64 = measured.iter().map(|m| m.seconds_per_pass).sum();
@@ -125,7 +125,8 @@ pub(super) fn render(
         };
         pictures.switches.push(SwitchPictures { equal_time, spp, seconds: took, equal_error });
     }
-    let layers = parts(scene, &ways[0], &at_size, units[0] * larger, end, &mut pictures, work)?;
+    let passes = (2.0 * each / (units[0] * larger)) as u32;
+    let layers = parts(scene, &ways[0], &at_size, units[0] * larger, passes, &mut pictures, work)?;
     Ok((pictures, layers))
 }
 
@@ -160,14 +161,14 @@ fn tone(scene: &Scene) -> Tone {
     Tone { curve: scene.settings.tone.unwrap_or_default(), exposure: scene.settings.exposure.unwrap_or(0.0) }
 }
 
-/// The whole picture and its layers, as clean as the reference makes them with the work that is left; the shares of
-/// noise and rays are those of the full method.
+/// The whole picture and its layers, as clean as the reference makes them in so many passes, which no clock may
+/// decide: the shares of the light are figures of the scene. The shares of noise and rays are those of the full method.
 fn parts(
     scene: &Scene,
     full: &Switch,
     options: &Options,
     unit: f64,
-    end: f64,
+    passes: u32,
     pictures: &mut Pictures,
     work: &mut Work<'_>,
 ) -> Result<Vec<LayerShare>, RunError> {
@@ -179,8 +180,8 @@ fn parts(
     let of_full = own.film.layer_shares();
     let rays: u64 = own.counters.layer_rays.iter().sum();
     let clean = reference(scene, options)?;
-    let left = ((end - work.done) / unit.max(1e-12)).clamp(f64::from(PASSES), 4096.0) as u32;
-    let image = work.film(&clean, left, true, unit)?.film.to_image();
+    let passes = passes.clamp(PASSES, 4096);
+    let image = work.film(&clean, passes, true, unit)?.film.to_image();
     let whole = picture::total(&image.rgb);
     let mut shares = Vec::new();
     for layer in LightLayer::ALL {
@@ -194,6 +195,6 @@ fn parts(
         }
     }
     pictures.whole = image.rgb;
-    pictures.spp = left;
+    pictures.spp = passes;
     Ok(shares)
 }

@@ -17,14 +17,16 @@
 //! the estimate and the truth vary: over t^2, by 2/(K-1) + kappa/K and by 2 + kappa/K. Estimates of t have the
 //! mean square t^2 (1 + 2/(K-1) + kappa/K). For K = 4 the two together are from 1.6 (normal) to 2 (anything
 //! with heavy tails) times the mean square of the estimates, whatever kappa is: so their sum gives the
-//! variance without knowing the distribution. Pixels have to be independent for that, as they are where
-//! each path lights one pixel.
+//! variance without knowing the distribution. Pixels have to be independent for that, as they are where each
+//! path lights one pixel. Where a photon lights several, the variance is that many times larger as [`Squares::together`]
+//! says.
 //!
 //! *Where it ends.* Half of the replications has to say what R is. Above an E of a quarter it cannot: pixels that no
 //! sample of a half lit seem dark, and their error enormous. The estimate is then too large, never too small by
 //! that, and is not trusted. Below, what the second order leaves is granted to the interval.
 
 use super::doubt::Shown;
+use super::together::Blocks;
 use super::{Doubt, Film, Tail};
 use crate::stats::{ERROR_FLOOR, NORMAL_95, luminance_of};
 
@@ -41,7 +43,7 @@ pub struct ErrorEstimate {
     pub error: f64,
     /// Lower and upper end of its 95 % interval.
     pub interval: [f64; 2],
-    /// How many pixels carry the error, effectively: (sum t)^2 / sum t^2.
+    /// How many pixels carry the error, effectively: (sum t)^2 / sum t^2; fewer where their errors go together.
     pub effective_pixels: f64,
     /// Whether the interval can be trusted: there is no doubt.
     pub trusted: bool,
@@ -63,6 +65,8 @@ impl ErrorEstimate {
 pub struct Squares {
     /// Estimates of v / (R^2 + c^2) of each pixel that has samples, row by row; noise may make single ones negative.
     pub of_pixels: Vec<f32>,
+    /// How many times the variance of their sum is that of independent pixels, [1, inf).
+    pub together: f64,
 }
 
 impl Squares {
@@ -78,12 +82,12 @@ impl Squares {
         }
         // Noise makes the sum negative only where there is hardly any error.
         let mean = (sum / n).max(0.0);
-        let sampling = if sum > 0.0 { SPREAD * squares / (sum * sum) } else { 0.0 };
+        let sampling = if sum > 0.0 { SPREAD * self.together * squares / (sum * sum) } else { 0.0 };
         let relative = (sampling + (LEFT * mean) * (LEFT * mean)).sqrt();
         let error = mean.sqrt();
         // Errors are positive, and their square spreads by a factor: hence the logarithm, halved by the root.
         let factor = libm::exp(0.5 * NORMAL_95 * relative);
-        let effective_pixels = if squares > 0.0 { sum * sum / squares } else { n };
+        let effective_pixels = if squares > 0.0 { sum * sum / squares } else { n } / self.together;
         let doubt = if error > ErrorEstimate::NOISIEST {
             Some(Doubt::TooNoisy)
         } else {
@@ -141,10 +145,10 @@ impl Film {
     pub fn error_squares(&self) -> Option<Squares> {
         let k = self.layout.replications as usize;
         let format = self.layout.radiance;
-        // The means of the replications of all pixels, and where those of each begin.
+        // The means of the replications of all pixels, where those of each end, and which pixel that is.
         let (mut means, mut ends) =
             (Vec::with_capacity(self.counts.len()), Vec::with_capacity(self.pixels()));
-        for (sums, counts) in self.sums.chunks(k).zip(self.counts.chunks(k)) {
+        for (pixel, (sums, counts)) in self.sums.chunks(k).zip(self.counts.chunks(k)).enumerate() {
             let before = means.len();
             for (sums, &n) in sums.iter().zip(counts).filter(|(_, n)| **n > 0) {
                 means.push((luminance_of(sums.map(|s| format.about_mean(s, n))), f64::from(n)));
@@ -152,19 +156,33 @@ impl Film {
             match means.len() - before {
                 0 => {}
                 1 => return None,
-                _ => ends.push(means.len()),
+                _ => ends.push((means.len(), pixel)),
             }
         }
         let pixels = || {
-            let begins = std::iter::once(0).chain(ends.iter().copied());
-            begins.zip(&ends).map(|(begin, &end)| &means[begin..end])
+            let begins = std::iter::once(0).chain(ends.iter().map(|e| e.0));
+            begins.zip(&ends).map(|(begin, &(end, pixel))| (pixel, &means[begin..end]))
         };
-        let total: f64 = pixels().map(|m| pooled(m).0).sum();
+        let total: f64 = pixels().map(|(_, m)| pooled(m).0).sum();
         if total <= 0.0 {
             return None;
         }
         let c = ERROR_FLOOR * total / ends.len() as f64;
-        Some(Squares { of_pixels: pixels().map(|m| relative_variance(m, c) as f32).collect() })
+        let [.., width, height] = self.layout.crop.map(|n| n as usize);
+        let mut blocks = Blocks::new([width, height], k);
+        let mut deviations = vec![0.0; k];
+        let mut of_pixels = Vec::with_capacity(ends.len());
+        for (pixel, own) in pixels() {
+            of_pixels.push(relative_variance(own, c) as f32);
+            // Pixels that lack a replication have no part in it.
+            if own.len() == k {
+                let (mean, n) = pooled(own);
+                let weight = (k as f64 / (n * (mean * mean + c * c))).sqrt();
+                deviations.iter_mut().zip(own).for_each(|(d, m)| *d = weight * m.1.sqrt() * (m.0 - mean));
+                blocks.add([pixel % width, pixel / width], &deviations);
+            }
+        }
+        Some(Squares { of_pixels, together: blocks.factor() })
     }
 }
 

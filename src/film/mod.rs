@@ -16,6 +16,7 @@ mod shares;
 mod state;
 mod sums;
 mod tail;
+mod together;
 
 pub use cross::{CELL, Found, Glimpse, LIGHT_CLASSES, LIGHTS_APART, light_class};
 pub use doubt::{CrossCell, Doubt, TwoWays};

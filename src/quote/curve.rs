@@ -3,8 +3,8 @@
 //! The pixels are dealt into groups. At each number of passes the curve keeps the square of the error of each group;
 //! E^2 of the picture is their mean. Groups drawn with replacement (Efron, "Bootstrap Methods", Annals of Statistics
 //! 7(1), 1979) give other curves, of which each says how many samples an error takes: their spread is the interval.
-//! It holds what varies between pixels, how errors at different numbers of samples go together, and the choice of
-//! terms in the law. What a render itself adds is added: its own estimate, which decides when it stops, has noise.
+//! It holds what varies between pixels, and how errors at different numbers of samples go together. What a render itself
+//! adds is added: its own estimate, which decides when it stops, has noise. And so is what the law is off by.
 
 use super::fit::Law;
 use crate::film::Squares;
@@ -16,10 +16,15 @@ use crate::stats::NORMAL_95;
 const GROUPS: usize = 32;
 /// Curves that are drawn for an interval.
 const DRAWN: usize = 200;
-/// The law is fitted over the passes from this share of the last on: what comes before has other slopes.
-const BACK: u32 = 16;
+/// The law is fitted over the last two octaves of passes: what comes before falls otherwise.
+const BACK: u32 = 4;
 /// Fewer passes say little: each replication then has less than four samples.
 const FEWEST: u32 = 16;
+/// Above this error estimates are off by what the law does not know.
+const NOISIEST: f64 = 0.12;
+/// What the law is off by, relative, for each octave that it is continued by, from so many passes on, and in inverse
+/// proportion to them below: from the curves of eleven scenes.
+const OFF: (f64, u32) = (0.03, 128);
 
 /// Errors at growing numbers of passes.
 #[derive(Clone, Debug, Default)]
@@ -34,8 +39,9 @@ struct Point {
     passes: u32,
     /// Sum over the pixels of each group, and their number.
     groups: Vec<(f64, f64)>,
-    /// (sum t)^2 / sum t^2.
+    /// As estimates of the error have them.
     effective_pixels: f64,
+    together: f64,
 }
 
 /// A number of samples for each pixel, as it was foreseen.
@@ -70,20 +76,17 @@ impl Curve {
             group.1 += 1.0;
         }
         let effective_pixels = squares.estimate().effective_pixels;
-        self.points.push(Point { passes, groups, effective_pixels });
+        self.points.push(Point { passes, groups, effective_pixels, together: squares.together });
     }
 
-    /// The square of the error that a weighting of the groups gives, by number of passes; values that noise makes
-    /// negative are left out.
-    fn weighted(&self, weights: &[f64; GROUPS]) -> Vec<(f64, f64)> {
+    /// The points that a law is fitted to.
+    fn fitted(&self) -> Vec<&Point> {
         let last = self.passes();
-        let used = |p: &&Point| p.passes >= FEWEST.min(last) && p.passes >= last / BACK;
-        let of = |p: &Point| {
-            let sums =
-                p.groups.iter().zip(weights).fold((0.0, 0.0), |s, (g, w)| (s.0 + w * g.0, s.1 + w * g.1));
-            (f64::from(p.passes), sums.0 / sums.1)
-        };
-        self.points.iter().filter(used).map(of).filter(|(_, e2)| *e2 > 0.0).collect()
+        let recent = |p: &&Point| p.passes >= FEWEST.min(last) && p.passes >= last / BACK;
+        let recent: Vec<&Point> = self.points.iter().filter(recent).collect();
+        let clear = |p: &&Point| p.weighted(&[1.0; GROUPS]) <= NOISIEST * NOISIEST;
+        let clear: Vec<&Point> = recent.iter().copied().filter(clear).collect();
+        if clear.len() < 3 { recent } else { clear }
     }
 
     /// When a render that asks for an error stops: `None` where the curve has no points.
@@ -91,10 +94,18 @@ impl Curve {
     pub fn forecast(&self, error: f64) -> Option<Forecast> {
         let last = self.points.last()?;
         let wanted = error * error;
-        let law = Law::fit(&self.weighted(&[1.0; GROUPS]))?;
-        let middle = law.samples(wanted);
-        // What the estimate of the whole picture varies by when it is compared with the error that was asked for.
-        let own = 1.0 / (last.effective_pixels * self.every).max(1.0);
+        let fitted = self.fitted();
+        // The error may be reached within the curve; beyond, the law goes on.
+        let stops = |weights: &[f64; GROUPS]| {
+            if let Some(reached) = self.points.iter().find(|p| p.weighted(weights) <= wanted) {
+                return Some(f64::from(reached.passes));
+            }
+            let points = fitted.iter().map(|p| (f64::from(p.passes), p.weighted(weights)));
+            // Noise may make some of them negative.
+            let points: Vec<_> = points.filter(|(_, e2)| *e2 > 0.0).collect();
+            Some(Law::fit(&points)?.samples(wanted).max(f64::from(last.passes)))
+        };
+        let middle = stops(&[1.0; GROUPS])?;
         let mut state = 0u64;
         let mut draw = || {
             state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -104,16 +115,27 @@ impl Curve {
         for _ in 0..DRAWN {
             let mut weights = [0.0; GROUPS];
             (0..GROUPS).for_each(|_| weights[draw() as usize % GROUPS] += 1.0);
-            // A normal number from twelve uniform ones.
-            let sum: f64 = (0..12).map(|_| (draw() >> 11) as f64 / (1u64 << 53) as f64).sum();
-            let factor = libm::exp((sum - 6.0) * own.sqrt());
-            let law = Law::fit(&self.weighted(&weights));
-            logs.extend(law.map(|l| libm::log(l.times(factor).samples(wanted))));
+            logs.extend(stops(&weights).map(libm::log));
         }
         let mean = logs.iter().sum::<f64>() / logs.len().max(1) as f64;
-        let variance = logs.iter().map(|l| (l - mean) * (l - mean)).sum::<f64>() / logs.len().max(2) as f64;
+        let drawn = logs.iter().map(|l| (l - mean) * (l - mean)).sum::<f64>() / logs.len().max(2) as f64;
+        // What the estimate of the whole picture varies by when it is compared with the error that was asked for.
+        let own = 1.0 / (last.effective_pixels * self.every).max(1.0);
+        let beyond = libm::log2(middle / f64::from(last.passes)).max(0.0);
+        let off = beyond * OFF.0 * (f64::from(OFF.1) / f64::from(last.passes)).max(1.0);
+        // Groups hold neighbours of each other, so that they go together as pixels do.
+        let variance = drawn * last.together + own + off * off;
         let spread = libm::exp(NORMAL_95 * variance.sqrt());
         Some(Forecast { samples: stop(middle), interval: [stop(middle / spread), stop(middle * spread)] })
+    }
+}
+
+impl Point {
+    /// The square of the error that a weighting of the groups gives; noise may make it negative.
+    fn weighted(&self, weights: &[f64; GROUPS]) -> f64 {
+        let pairs = self.groups.iter().zip(weights);
+        let (sum, pixels) = pairs.fold((0.0, 0.0), |s, (g, w)| (s.0 + w * g.0, s.1 + w * g.1));
+        sum / pixels
     }
 }
 
@@ -143,7 +165,7 @@ mod tests {
                 let u = (mix64(state) >> 11) as f64 / (1u64 << 53) as f64;
                 ((1.0 + noise * (2.0 * u - 1.0)) / f64::from(passes)) as f32
             };
-            curve.add(passes, &Squares { of_pixels: (0..pixels).map(t).collect() });
+            curve.add(passes, &Squares { of_pixels: (0..pixels).map(t).collect(), together: 1.0 });
         }
         curve
     }

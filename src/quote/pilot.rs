@@ -15,7 +15,7 @@ use crate::prepare::Prepared;
 /// of each.
 const PIXELS: u64 = 4096;
 /// Rays of a pilot where nothing else is asked for: a second or two on a few cores.
-pub const RAYS: u64 = 6_000_000;
+pub const RAYS: u64 = 10_000_000;
 /// Passes of a pilot: at least what a curve needs, at most what any error above a thousandth does.
 const PASSES: Range<u32> = 16..4096;
 /// The part of the passes that is rendered again for the shares of effects.

@@ -58,21 +58,21 @@ macro_rules! cases {
 }
 
 cases! {
-    Tuned "cornell" "scenes/cornell.toml" &[], 0.03, 8192, 2048;
-    Tuned "hexroom-diffuse" "scenes/hexroom-diffuse.toml" &[], 0.03, 8192, 2048;
+    Tuned "cornell" "scenes/cornell.toml" &[], 0.03, 8192, 8192;
+    Tuned "hexroom-diffuse" "scenes/hexroom-diffuse.toml" &[], 0.03, 8192, 4096;
     Tuned "sky" "fixtures/golden/sky/scene.toml" PATHS, 0.03, 8192, 4096;
     Tuned "materials" "scenes/materials.toml" PATHS, 0.03, 8192, 2048;
-    Tuned "glass-slab-photons" "fixtures/golden/glass-slab/scene.toml" PHOTONS, 0.03, 2048, 2048;
-    Unseen "many-lights" "fixtures/golden/many-lights/scene.toml" PATHS, 0.03, 8192, 2048;
-    Unseen "textured" "fixtures/golden/textured/scene.toml" PATHS, 0.03, 8192, 2048;
-    Unseen "depth-of-field" "fixtures/golden/depth-of-field/scene.toml" PATHS, 0.03, 8192, 2048;
-    Unseen "coat-sheen" "fixtures/golden/coat-sheen/scene.toml" PATHS, 0.03, 8192, 2048;
-    Unseen "room-direct" "fixtures/golden/room-direct/scene.toml" PATHS, 0.03, 8192, 2048;
+    Tuned "glass-slab-photons" "fixtures/golden/glass-slab/scene.toml" PHOTONS, 0.03, 2048, 12288;
+    Unseen "many-lights" "fixtures/golden/many-lights/scene.toml" PATHS, 0.03, 8192, 4096;
+    Unseen "textured" "fixtures/golden/textured/scene.toml" PATHS, 0.03, 8192, 4096;
+    Unseen "depth-of-field" "fixtures/golden/depth-of-field/scene.toml" PATHS, 0.03, 8192, 4096;
+    Unseen "coat-sheen" "fixtures/golden/coat-sheen/scene.toml" PATHS, 0.03, 8192, 4096;
+    Unseen "room-direct" "fixtures/golden/room-direct/scene.toml" PATHS, 0.03, 8192, 4096;
     Unseen "edges" "fixtures/golden/edges/scene.toml" PATHS, 0.03, 8192, 2048;
     Unseen "sphere-penumbra" "fixtures/golden/sphere-penumbra/scene.toml" PATHS, 0.03, 8192, 2048;
-    Unseen "nested-glass-photons" "fixtures/golden/nested-glass/scene.toml" PHOTONS, 0.03, 2048, 2048;
-    Unseen "drink-photons" "scenes/drink.toml" PHOTONS, 0.05, 2048, 4096;
-    Unseen "hexroom-photons" "scenes/hexroom.toml" PHOTONS, 0.05, 2048, 4096;
+    Unseen "nested-glass-photons" "fixtures/golden/nested-glass/scene.toml" PHOTONS, 0.03, 2048, 12288;
+    Unseen "drink-photons" "scenes/drink.toml" PHOTONS, 0.1, 2048, 8192;
+    Unseen "hexroom-photons" "scenes/hexroom.toml" PHOTONS, 0.15, 2048, 8192;
     Misleading "caustic-photons" "scenes/caustic.toml" PHOTONS, 0.03, 512, 16384;
     Unseen "edges@1%" "fixtures/golden/edges/scene.toml" PATHS, 0.01, 32768, 8192;
     Unseen "sphere-penumbra@1%" "fixtures/golden/sphere-penumbra/scene.toml" PATHS, 0.01, 32768, 8192;
