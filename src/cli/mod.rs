@@ -5,6 +5,7 @@
 //! one step and calls the library, which sees only options. Nothing else in the crate prints.
 
 mod adopt;
+mod advice;
 mod algorithm;
 mod args;
 mod check;

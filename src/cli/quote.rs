@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use clap::Args;
 use serde::Serialize;
 
+use super::advice::{self, Alternative, AlternativeJson, Other};
 use super::algorithm::AlgorithmArgs;
 use super::args::{SceneArgs, Size};
 use super::console::Console;
@@ -14,12 +15,11 @@ use super::schema::to_json;
 use super::shortcuts::ShortcutArgs;
 use super::signal::Stop;
 use super::stated::error_line;
-use super::units::{self, show_range, show_time};
+use super::units::{self, show_error, show_range, show_time};
 use super::{Code, load, render};
-use crate::film::LightLayer;
 use crate::integrate::RenderOptions;
 use crate::pilot::{self as pilots, Asked};
-use crate::prepare::{Algorithms, Caustics, CausticsMode, Prepared};
+use crate::prepare::{Caustics, CausticsMode, Prepared};
 use crate::quote::{EffectShare, Pilot, Quote, RAYS, pilot};
 use crate::scene::{Camera, Scene};
 
@@ -27,8 +27,8 @@ use crate::scene::{Camera, Scene};
 const ERRORS: [f64; 5] = [0.10, 0.05, 0.02, 0.01, 0.005];
 /// The error that advice is about where none is asked for.
 const ADVISED: f64 = 0.01;
-/// Share of the noise from which on another estimator of a part of the light is tried.
-const NOISY: f64 = 0.25;
+/// Share of the rays of a pilot that each alternative may take.
+const OF_ALTERNATIVE: u64 = 2;
 
 /// Say what a render will cost before it is made: samples and seconds for an error, and where they go
 ///
@@ -109,7 +109,7 @@ struct PilotJson {
 
 /// What an error costs; nothing but the error where it cannot be foreseen.
 #[derive(Serialize)]
-struct PriceJson {
+pub(super) struct PriceJson {
     error: f64,
     samples: Option<u32>,
     samples_interval: Option<[u32; 2]>,
@@ -118,7 +118,7 @@ struct PriceJson {
 }
 
 impl PriceJson {
-    fn new(error: f64, quote: Option<Quote>) -> Self {
+    pub(super) fn new(error: f64, quote: Option<Quote>) -> Self {
         Self {
             error,
             samples: quote.map(|q| q.samples),
@@ -137,43 +137,25 @@ struct PartJson {
     rays: f64,
 }
 
-#[derive(Serialize)]
-struct AlternativeJson {
-    algorithm: &'static str,
-    #[serde(flatten)]
-    price: PriceJson,
-}
-
-/// Another estimator, and what it would cost.
-struct Alternative {
-    /// As it is typed.
-    algorithm: &'static str,
-    quote: Option<Quote>,
-}
-
 pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> {
     let loaded = load::load(&args.scene)?;
     let camera = render::camera(&loaded.scene, args.camera.as_deref())?;
     let stop = Stop::listen();
-    let look = |prepared: &Prepared| -> Result<Pilot, Failure> {
+    let look = |prepared: &Prepared, rays: u64| -> Result<Pilot, Failure> {
         let options = RenderOptions { threads: args.threads, ..RenderOptions::passes(0..1) };
-        pilot(prepared, &options, args.rays, &stop).map_err(|e| Failure::usage(e.to_string()))
+        pilot(prepared, &options, rays, &stop).map_err(|e| Failure::usage(e.to_string()))
     };
     let asked = args.algorithms.meant();
-    let prepared = prepare(&loaded.scene, camera, args, asked)?;
-    let pilot = look(&prepared)?;
+    let prepared = prepare(&loaded.scene, camera, args, None)?;
+    let pilot = look(&prepared, args.rays)?;
     let advised = args.error.last().copied().unwrap_or(ADVISED);
     let mut alternatives = Vec::new();
-    // Photons, where paths find caustics with much noise, or too rarely to say.
-    let caustic = pilot.parts.iter().find(|p| p.layer == LightLayer::Caustic);
-    let noisy = caustic.is_some_and(|c| c.noise >= NOISY) || !pilot.is_clear();
-    if prepared.plan.caustics == Caustics::Path && noisy {
-        let photons = Algorithms { caustics: CausticsMode::Photon, ..asked };
-        let other = prepare(&loaded.scene, camera, args, photons)?;
-        // The plan has none where nothing throws light.
-        if other.plan.caustics != Caustics::Path {
-            let quote = look(&other)?.quote(advised);
-            alternatives.push(Alternative { algorithm: "caustics=photon", quote });
+    for other in Other::worth_a_try(&prepared.plan, asked, &pilot) {
+        let prepared = prepare(&loaded.scene, camera, args, Some(other))?;
+        // The plan has no photons where nothing throws light.
+        if !matches!(other, Other::Photons) || prepared.plan.caustics != Caustics::Path {
+            let quote = look(&prepared, args.rays / OF_ALTERNATIVE)?.quote(advised);
+            alternatives.push(Alternative { other, quote });
         }
     }
     if let Some(code) = stop.code() {
@@ -181,8 +163,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
     }
     let errors = if args.error.is_empty() { ERRORS.to_vec() } else { args.error.clone() };
     let prices: Vec<(f64, Option<Quote>)> = errors.into_iter().map(|e| (e, pilot.quote(e))).collect();
-    let advice: Vec<String> =
-        alternatives.iter().map(|a| advice(a, caustic, pilot.quote(advised), advised)).collect();
+    let advice = advice::lines(&prepared.plan, &pilot, &alternatives, advised);
     if args.json {
         let part =
             |p: &EffectShare| PartJson { name: p.layer.name(), light: p.light, noise: p.noise, rays: p.rays };
@@ -204,10 +185,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
             seconds_per_sample: pilot.pass_seconds,
             quotes: prices.into_iter().map(|(error, quote)| PriceJson::new(error, quote)).collect(),
             parts: pilot.parts.iter().map(part).collect(),
-            alternatives: alternatives
-                .into_iter()
-                .map(|a| AlternativeJson { algorithm: a.algorithm, price: PriceJson::new(advised, a.quote) })
-                .collect(),
+            alternatives: alternatives.iter().map(|a| a.json(advised)).collect(),
             advice,
             machine: Machine::this(),
         };
@@ -218,7 +196,8 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
         write_pilot(&mut text, &pilot);
         write_prices(&mut text, &prices);
         write_parts(&mut text, &pilot.parts);
-        advice.iter().for_each(|line| text += &format!("\n{line}\n"));
+        text.push('\n');
+        advice.iter().for_each(|line| text += &format!("{line}\n"));
         console.result(&text)?;
     }
     Ok(Code::Done)
@@ -228,15 +207,20 @@ fn prepare(
     scene: &Scene,
     camera: &Camera,
     args: &QuoteArgs,
-    algorithms: Algorithms,
+    instead: Option<Other>,
 ) -> Result<Prepared, Failure> {
     let job = render::Job::new(&args.scene.scene.display().to_string(), scene, camera, {
         render::picture_size(scene, camera, args.size)
     });
     let mut options = job.prepare;
     options.seed = args.seed;
-    options.algorithms = algorithms;
+    options.algorithms = args.algorithms.meant();
     args.shortcuts.take(&mut options);
+    match instead {
+        Some(Other::Photons) => options.algorithms.caustics = CausticsMode::Photon,
+        Some(Other::Without(omission, _)) => options.shortcuts.without.insert(omission),
+        None => {}
+    }
     let asked = Asked { threads: args.threads, ..Asked::default() };
     pilots::prepare(scene, &options, &asked)
         .map_err(|e| Failure::load(format!("{}: {e}", args.scene.scene.display())))
@@ -259,7 +243,7 @@ fn write_pilot(text: &mut String, pilot: &Pilot) {
 fn write_prices(text: &mut String, prices: &[(f64, Option<Quote>)]) {
     let _ = writeln!(text, "\n{:>7}  {:>28}  {:>32}", "error", "samples per pixel", "time");
     for (error, quote) in prices {
-        let error = format!("{} %", rounded(100.0 * error));
+        let error = show_error(*error);
         let _ = match quote {
             None => writeln!(text, "{error:>7}  {:>28}  {:>32}", "not known", "not known"),
             Some(q) => {
@@ -280,32 +264,4 @@ fn write_parts(text: &mut String, parts: &[EffectShare]) {
         let (light, noise, rays) = (percent(p.light), percent(p.noise), percent(p.rays));
         let _ = writeln!(text, "{:<10} {light:>7} {noise:>7} {rays:>7}", p.layer.name());
     }
-}
-
-/// What follows from another estimator's price.
-fn advice(other: &Alternative, caustic: Option<&EffectShare>, own: Option<Quote>, error: f64) -> String {
-    let error = format!("{} %", rounded(100.0 * error));
-    let share = caustic.map_or(String::new(), |c| {
-        format!(" {:.0} % of the light, {:.0} % of the noise;", 100.0 * c.light, 100.0 * c.noise)
-    });
-    let flag = format!("--algorithm {}", other.algorithm);
-    let said = match (own, other.quote) {
-        (Some(own), Some(other)) => {
-            let [own, other] = [own, other].map(|q| show_time(q.seconds));
-            format!("{flag} would take {other} instead of {own} for {error}")
-        }
-        (None, Some(other)) => {
-            format!(
-                "paths find them too rarely to say; {flag} would take {} for {error}",
-                show_time(other.seconds)
-            )
-        }
-        (_, None) => format!("what {flag} would take cannot be said from so few samples"),
-    };
-    format!("caustics:{share} {said}")
-}
-
-/// Without the last bits of a product.
-fn rounded(x: f64) -> f64 {
-    (1e6 * x).round() / 1e6
 }

@@ -85,6 +85,11 @@ pub(super) fn stops(text: &str) -> Result<f32, String> {
     parsed.ok_or_else(|| "expected a number of stops from -100 to 100, such as 1.5".into())
 }
 
+/// An error that was asked for, without the last bits of a product.
+pub(super) fn show_error(error: f64) -> String {
+    format!("{} %", (1e8 * error).round() / 1e6)
+}
+
 /// A time for people: `0.4 s`, `12 s`, `3 min 20 s`, `2 h 5 min`.
 pub(super) fn show_time(seconds: f64) -> String {
     let whole = seconds.max(0.0).round() as u64;

@@ -29,23 +29,38 @@ fn quotes_repeat() {
     }
     let light: f64 = one["parts"].as_array().expect("parts").iter().filter_map(|p| p["light"].as_f64()).sum();
     assert!((light - 1.0).abs() < 1e-6, "{light}");
-    assert_eq!(one["alternatives"].as_array().map(Vec::len), Some(0), "nothing throws light");
+    let photons = |a: &Value| a["flag"] == "--algorithm caustics=photon";
+    assert!(!one["alternatives"].as_array().expect("a list").iter().any(photons), "nothing throws light");
 }
 
-/// Guards advice: where paths hardly find a caustic, photons are tried, and a line says so; where a flag asks for
-/// them, nothing else is.
+/// Guards advice: where paths hardly find a caustic, photons are tried, and so is the picture without it; where a flag
+/// asks for either, it is not tried.
 #[test]
-fn photons_are_tried() {
+fn what_else_there_is_is_tried() {
     let folder = Folder::new();
     let caustic = scene("caustic.toml");
-    let line = format!("quote {} --size 32x32 --rays 200000 --error 20%", caustic.display());
-    let said = folder.done(&line).out;
-    assert!(
-        said.lines().any(|l| l.starts_with("caustics:") && l.contains("--algorithm caustics=photon")),
-        "{said}"
-    );
-    let said = folder.done(&format!("{line} --algorithm caustics=photon")).out;
-    assert!(!said.lines().any(|l| l.starts_with("caustics:")), "{said}");
+    let line = format!("quote {} --size 32x32 --rays 200000 --error 20% --json", caustic.display());
+    let flags = |more: &str| -> (Vec<String>, Value) {
+        let said: Value = serde_json::from_str(&folder.done(&format!("{line}{more}")).out).expect("JSON");
+        let list = said["alternatives"].as_array().expect("a list").clone();
+        let flag = |a: &Value| a["flag"].as_str().expect("a flag").to_owned();
+        (list.iter().map(flag).collect(), said)
+    };
+    let (tried, said) = flags("");
+    assert!(tried.contains(&"--algorithm caustics=photon".to_owned()), "{said}");
+    assert!(!flags(" --algorithm caustics=photon").0.contains(&tried[0]));
+    let (tried, said) = flags(" --without caustics");
+    assert!(tried.iter().all(|t| t != "--without caustics"), "{said}");
+    let cornell = scene("cornell.toml");
+    let said =
+        folder.done(&format!("quote {} --size 32x32 --rays 2000000 --error 8%", cornell.display())).out;
+    let lines: Vec<&str> = said.lines().collect();
+    assert!(lines.iter().any(|l| l.starts_with("indirect: 2") && l.ends_with(" % of the noise")), "{said}");
+    let (_, end) =
+        lines.last().and_then(|l| l.split_once(" for 8 %, and lack ")).unwrap_or_else(|| panic!("{said}"));
+    assert!(lines.last().is_some_and(|l| l.starts_with("--without indirect would take ")), "{said}");
+    let lost: f64 = end.split(' ').next().and_then(|n| n.parse().ok()).expect("a number");
+    assert!((15.0..25.0).contains(&lost), "{said}");
 }
 
 /// Guards what programs see of a render that asks for an error.
