@@ -95,9 +95,15 @@ impl Curve {
         let last = self.points.last()?;
         let wanted = error * error;
         let fitted = self.fitted();
-        // The error may be reached within the curve; beyond, the law goes on.
+        // Where the error is reached within the curve, that says when; beyond, the law goes on.
+        let reached = |weights: &[f64; GROUPS]| {
+            let points = self.points.iter().filter(|p| p.passes >= FEWEST.min(last.passes));
+            points.into_iter().find(|p| p.weighted(weights) <= wanted)
+        };
+        let within = reached(&[1.0; GROUPS]).is_some();
         let stops = |weights: &[f64; GROUPS]| {
-            if let Some(reached) = self.points.iter().find(|p| p.weighted(weights) <= wanted) {
+            // Noise at the first points is no reason to stop there, where the curve itself does not.
+            if let Some(reached) = reached(weights).filter(|_| within) {
                 return Some(f64::from(reached.passes));
             }
             let points = fitted.iter().map(|p| (f64::from(p.passes), p.weighted(weights)));

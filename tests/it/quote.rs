@@ -53,7 +53,7 @@ fn what_else_there_is_is_tried() {
     assert!(tried.iter().all(|t| t != "--without caustics"), "{said}");
     let cornell = scene("cornell.toml");
     let said =
-        folder.done(&format!("quote {} --size 32x32 --rays 2000000 --error 8%", cornell.display())).out;
+        folder.done(&format!("quote {} --size 128x128 --rays 3000000 --error 8%", cornell.display())).out;
     let lines: Vec<&str> = said.lines().collect();
     assert!(lines.iter().any(|l| l.starts_with("indirect: 2") && l.ends_with(" % of the noise")), "{said}");
     let (_, end) =
