@@ -89,14 +89,24 @@ fn judge(name: &'static str, holds: bool, good: impl Into<String>, bad: impl Int
 }
 
 impl Own<'_> {
+    /// As it is rendered: with the gain that the scene asks for.
     fn prepare(&self, scene: &Scene, effects: EffectsMode) -> Result<Prepared, RunError> {
+        self.prepare_with(scene, effects, Shortcuts::of(&scene.settings))
+    }
+
+    fn prepare_with(
+        &self,
+        scene: &Scene,
+        effects: EffectsMode,
+        shortcuts: Shortcuts,
+    ) -> Result<Prepared, RunError> {
         let options = Options {
             camera: scene.cameras.get(self.camera).map(|c| c.name.clone()),
             size: self.size,
             seed: 0,
             effects,
             max_depth: scene.settings.max_depth,
-            shortcuts: Shortcuts::default(),
+            shortcuts,
             transparent: false,
             algorithms: Algorithms::PATHS,
         };
@@ -220,7 +230,8 @@ impl Own<'_> {
         let [w, h] = self.size;
         let (side_w, side_h) = (SIDE.min(w), SIDE.min(h));
         let crop = [(w - side_w) / 2, (h - side_h) / 2, side_w, side_h];
-        let mut prepared = self.prepare(self.scene, EffectsMode::Auto)?;
+        // Brute force knows no shortcut.
+        let mut prepared = self.prepare_with(self.scene, EffectsMode::Auto, Shortcuts::default())?;
         prepared.max_depth = max_depth;
         let options = RenderOptions { crop: Some(crop), ..RenderOptions::passes(0..SAMPLES) };
         let fast = render(&prepared, &options, self.control)?.film.to_image();
@@ -240,7 +251,14 @@ impl Own<'_> {
         let Ok(slow) = slow else {
             return Ok(say(NAME, Says::Skipped, "the reference integrator cannot render it"));
         };
-        Ok(Self::agree(&fast, &slow))
+        let finding = Self::agree(&fast, &slow);
+        Ok(match self.scene.settings.indirect_gain {
+            Some(gain) if gain != 1.0 => Finding {
+                message: format!("{}; without the scene's indirect_gain of {gain}", finding.message),
+                ..finding
+            },
+            _ => finding,
+        })
     }
 
     fn agree(fast: &Image, slow: &Image) -> Finding {

@@ -170,8 +170,8 @@ fn step<const FX: u32, const LAYERS: bool>(
         path.count(scene, found, light, counters);
         path.meet::<LAYERS>(found, &scene.kept);
     }
-    // Whatever else arrives where the path was spread for the second time, photons have brought.
-    if path.spread > 1 && maps.is_some_and(|m| m.indirect.is_some()) {
+    // Whatever else arrives where the path was last, photons have brought.
+    if path.supplied {
         return Next::Done;
     }
     if scene.max_depth.is_some_and(|cap| path.depth >= planted!(depth_off_by_one(cap))) {
@@ -205,6 +205,9 @@ fn step<const FX: u32, const LAYERS: bool>(
     let left = prepared.narrow && path.spread > 0 && path.caustics.by_photons(path.linked);
     // What would be spread once more counts for nothing where indirect light is left out.
     let over = !prepared.narrow && scene.kept.ends_after(path.spread);
+    // From the second vertex on that spreads a path, photons may say what arrives there.
+    let maps = maps.filter(|_| !prepared.narrow);
+    let ends = path.spread > 0 && !prepared.peaked && maps.is_some_and(|m| m.indirect.is_some());
     let mut lights = 1.0;
     if !bsdf.is_delta() && !left && !over {
         let media = [path.medium, beyond];
@@ -235,8 +238,8 @@ fn step<const FX: u32, const LAYERS: bool>(
         if LAYERS {
             counters.layer_rays[path.samples(narrow) as usize] += counters.rays - before;
         }
-        if let Some(maps) = maps.filter(|_| !narrow) {
-            gather(scene, maps, path, bsdf, &frame, &context, media, counters);
+        if let Some(maps) = maps {
+            gather(scene, maps, path, bsdf, &frame, &context, (media, ends), counters);
         }
     } else if path.forks && path.depth == 0 {
         return Next::Fork(hit);
@@ -261,6 +264,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     path.through |= path.depth == 0 && thrown;
     path.spread += u32::from(!thrown);
     path.thrown = thrown;
+    path.supplied = ends && !thrown;
     path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf, lights });
     path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
     path.from = leaving;
@@ -332,7 +336,8 @@ fn many_lights<const FX: u32>(
     path.beta * (sum * share)
 }
 
-/// Adds the light of the photons around a vertex, but of those that reach the camera from here without this path.
+/// Adds the light of the photons around a vertex, but of those that reach the camera from here without this path; that
+/// of indirect light where the path `ends` here.
 #[inline(never)]
 fn gather(
     scene: &Prepared,
@@ -341,7 +346,7 @@ fn gather(
     bsdf: &Bsdf,
     frame: &scatter::Frame,
     context: &LightContext,
-    media: [Medium; 2],
+    (media, ends): ([Medium; 2], bool),
     counters: &mut Counters,
 ) {
     let linked = path.linked && path.thrown;
@@ -350,7 +355,7 @@ fn gather(
         let found = gathered(scene, map, bsdf, frame, context, media, place, counters);
         path.gather(&found, &scene.kept, counters);
     }
-    if let Some(map) = maps.indirect.as_ref().filter(|_| path.spread == 1) {
+    if let Some(map) = maps.indirect.as_ref().filter(|_| ends) {
         let place = Place { linked: !(linked && path.caustics != Caustics::Path), ..place };
         let found = gathered(scene, map, bsdf, frame, context, media, place, counters);
         path.gather(&found, &scene.kept, counters);

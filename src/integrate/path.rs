@@ -78,6 +78,8 @@ pub(super) struct PathState {
     pub(super) spread: u32,
     /// Whether the last event had no spread, or a narrow one.
     pub(super) thrown: bool,
+    /// Whether photons have brought whatever else arrives where the last event was, but what its next ray meets.
+    pub(super) supplied: bool,
     /// Whether it is `E D (S+ D)*` so far, or nothing yet: the form of which photons reach the camera directly.
     pub(super) linked: bool,
     /// Which caustics it leaves to photons.
@@ -108,6 +110,7 @@ impl PathState {
             through: false,
             spread: 0,
             thrown: false,
+            supplied: false,
             linked: true,
             caustics: scene.plan.caustics,
             forks: scene.plan.split > 1,

@@ -7,8 +7,8 @@ use super::{LEAST_SAMPLES, PASSES, Pilot, percent, times};
 use crate::integrate::photons;
 use crate::prepare::{Algorithms, CausticsMode, MOST_BRANCHES, PrepareError, ROULETTE_START};
 
-/// The error that a photon map's bias is measured against where none is asked for.
-const USUAL_ERROR: f64 = 0.01;
+/// The least error that a photon map's bias is held against where none is asked for.
+const LEAST_ERROR: f64 = 0.01;
 
 /// Share of the error that the bias of a photon map may be.
 const SHARE_OF_BIAS: f64 = 0.25;
@@ -168,8 +168,9 @@ impl Pilot<'_> {
 
     /// Whether the bias of a photon map, with which `trial` was made, is small beside the error that is asked for.
     fn bias(&mut self, trial: &Trial, weights: &[f64]) -> Result<Verdict, PrepareError> {
-        let target = self.asked.error.unwrap_or(USUAL_ERROR);
-        let limit = SHARE_OF_BIAS * target;
+        // Of one sample by this map.
+        let variance = mean(&relative(&trial.all, weights)) * f64::from(trial.passes);
+        let Limit { limit, said: held_against } = Limit::new(self.asked.error, variance);
         // As many photons as there are in a pass, or as what is left of the pilot's share allows.
         let paths = trial.rays * f64::from(PASSES) * (WIDTHS.len() + 2) as f64;
         let least = trial.pixels() as f64;
@@ -186,7 +187,6 @@ impl Pilot<'_> {
         let samples = match self.asked.error {
             None => LEAST_SAMPLES,
             Some(error) => {
-                let variance = mean(&relative(&trial.all, weights)) * f64::from(trial.passes);
                 let most = self.asked.samples.unwrap_or(MOST_SAMPLES).min(MOST_SAMPLES);
                 ((variance / (error * error)) as u32).clamp(LEAST_SAMPLES, most.max(LEAST_SAMPLES))
             }
@@ -208,7 +208,7 @@ impl Pilot<'_> {
             "above"
         };
         let said = format!(
-            "the map is off by {}, at most {}, {verdict} the {} allowed",
+            "the map is off by {}, at most {}, {verdict} the {} allowed, {held_against}",
             percent(found.estimate),
             percent(found.most),
             percent(limit)
@@ -382,6 +382,34 @@ impl Several {
     }
 }
 
+/// What the bias of a photon map may be.
+struct Limit {
+    limit: f64,
+    /// Of what it is a share.
+    said: String,
+}
+
+impl Limit {
+    /// Of the error that is asked for, or else of that of the fewest samples for which a pilot runs: a map is refused
+    /// for its bias only where that would be seen in the picture. More samples than those change nothing, or a picture
+    /// and its parts would not have one plan. `variance` is that of one sample.
+    fn new(asked: Option<f64>, variance: f64) -> Self {
+        let noise = (variance / f64::from(LEAST_SAMPLES)).sqrt();
+        let said = match asked {
+            Some(error) => format!("a quarter of the error asked for, {}", percent(error)),
+            None if noise > LEAST_ERROR => {
+                format!("a quarter of the error of {LEAST_SAMPLES} samples, {}", percent(noise))
+            }
+            None => format!(
+                "a quarter of {}, since the error of {LEAST_SAMPLES} samples, {}, is not above that",
+                percent(LEAST_ERROR),
+                percent(noise)
+            ),
+        };
+        Self { limit: SHARE_OF_BIAS * asked.unwrap_or(noise.max(LEAST_ERROR)), said }
+    }
+}
+
 /// Whether a photon map will do, and why.
 struct Verdict {
     fits: bool,
@@ -390,3 +418,32 @@ struct Verdict {
 
 /// Why something is as it is without a pilot.
 const NOT_TRIED: &str = "not tried: the pilot has taken its share";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Guards what bias is held against: the error asked for, else that of 64 samples, but 1 % at least.
+    #[test]
+    fn bias_may_be_a_quarter_of_the_error() {
+        let of = |asked, noise: f64| Limit::new(asked, noise * noise * f64::from(LEAST_SAMPLES));
+        for (asked, noise, limit, said) in [
+            (Some(0.02), 0.3, 0.005, "a quarter of the error asked for, 2.0 %"),
+            (None, 0.04, 0.01, "a quarter of the error of 64 samples, 4.0 %"),
+            (
+                None,
+                0.004,
+                0.0025,
+                "a quarter of 1.0 %, since the error of 64 samples, 0.40 %, is not above that",
+            ),
+        ] {
+            let found = of(asked, noise);
+            assert!(
+                (found.limit - limit).abs() < 1e-12 && found.said == said,
+                "{} {}",
+                found.limit,
+                found.said
+            );
+        }
+    }
+}

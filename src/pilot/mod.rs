@@ -45,7 +45,7 @@ const LEAST_PIXELS: f64 = 64.0;
 
 /// What all trials take together, in trials by paths alone, roughly: where nothing throws light, and where something
 /// does. A pilot that finds itself above what it may take stops trying.
-const TRIALS: [f64; 2] = [7.0, 12.0];
+const TRIALS: [f64; 2] = [7.0, 16.0];
 
 /// What is asked of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

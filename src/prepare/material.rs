@@ -21,6 +21,9 @@ use crate::color::Rgb;
 use crate::math;
 use crate::scene::{self, Absorption, ImageId, MaterialKind, Pixels, Scene};
 
+/// GGX widths from here on are wide: a roughness of 0.71, whose lobe is at most five times as high as a mean.
+const WIDE_ALPHA: f32 = 0.5;
+
 /// GGX widths below this are narrow: a roughness below 0.32. Light that such a surface throws onto something
 /// else is a caustic, if photons look for it.
 pub(super) const NARROW_ALPHA: f32 = 0.1;
@@ -37,6 +40,9 @@ pub struct PreparedMaterial {
     /// Whether it has lobes with a spread, and all of them are narrow: what it does counts as thrown, as what a lobe
     /// does that has no spread.
     pub(crate) narrow: bool,
+    /// Whether what it does is so far from spreading light everywhere that the few photons around a point would show it
+    /// as dots ([`is_peaked`]).
+    pub(crate) peaked: bool,
     /// What the albedo feature shows, where nothing varies.
     pub albedo: Rgb,
     /// Whether any of the following is there.
@@ -184,6 +190,7 @@ impl<'a> Compiler<'a> {
             interior: None,
             encloses: false,
             narrow: false,
+            peaked: false,
             albedo,
             detailed: false,
             varying: None,
@@ -222,6 +229,7 @@ impl<'a> Compiler<'a> {
                     interior: interior(kind),
                     encloses: !p.thin && p.transmission > 0.0,
                     narrow: is_narrow(kind),
+                    peaked: is_peaked(p),
                     varying: varies.then(|| Box::new(Varying::new(p, self.scene, &mut self.tables))),
                     cutout: Cutout::new(p, self.scene).map(Box::new),
                     normal,
@@ -317,6 +325,14 @@ pub(super) fn is_narrow(kind: &MaterialKind) -> bool {
         && n.sheen_color.is_black()
         && t.sheen_color.is_none()
         && varies.iter().all(|slot| slot.is_none())
+}
+
+/// Whether most of what a folded material does may be done by the lobes of a metal or of rough glass, and these are not
+/// wide. Those of GGX reach 1 / (pi alpha^4), hundreds of times the mean, where light comes and goes at grazing angles,
+/// as it does within rough glass.
+fn is_peaked(p: &scene::Principled) -> bool {
+    let n = Numbers::from(p);
+    n.metallic.max(n.transmission) > 0.5 && n.roughness * n.roughness < WIDE_ALPHA
 }
 
 /// Whether light may pass to the other side of a folded material.

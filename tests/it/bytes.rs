@@ -7,7 +7,9 @@ use epsilux::film::Image;
 use epsilux::glam::{DAffine3, DVec3};
 use epsilux::integrate::{Quiet, RenderOptions, render, replay};
 use epsilux::output::{WriteOptions, write};
-use epsilux::prepare::{Algorithms, Caustics, CausticsMode, EffectsMode, Options, Plan, Prepared, prepare};
+use epsilux::prepare::{
+    Algorithms, Caustics, CausticsMode, EffectsMode, Indirect, Options, Plan, Prepared, prepare,
+};
 use epsilux::scene::text::parse_toml;
 use epsilux::scene::{Absorption, LightKind, MaterialKind, Scene, SpotFalloff};
 use sha2::{Digest as _, Sha256};
@@ -236,7 +238,10 @@ fn rays_and_light_belong_to_layers() {
 
 /// A scene whose caustics are found by photons.
 fn with_photons(scene: &Scene, effects: EffectsMode, unbiased: bool) -> Prepared {
-    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased, ..Algorithms::PATHS };
+    by_photons(scene, effects, Algorithms { caustics: CausticsMode::Photon, unbiased, ..Algorithms::PATHS })
+}
+
+fn by_photons(scene: &Scene, effects: EffectsMode, algorithms: Algorithms) -> Prepared {
     prepare(scene, &Options { effects, algorithms, ..options(SIZE, seed("photons"), None) })
         .expect("a camera")
 }
@@ -249,15 +254,34 @@ fn scenes_with_photons() -> Vec<(String, Scene)> {
     list
 }
 
-/// Guards photons as a pure function of scene, seed and pass: threads, crops, kernels, the way in which passes
-/// are shared, and recording layers change no byte; and one sample can be traced alone.
+/// Guards photons that look for caustics as a pure function of scene, seed and pass.
 #[test]
 fn photons_depend_on_nothing_but_the_pass() {
-    for ((name, scene), unbiased) in
-        scenes_with_photons().into_iter().flat_map(|s| [(s.clone(), false), (s, true)])
-    {
-        let prepared = with_photons(&scene, EffectsMode::Auto, unbiased);
-        assert_eq!(prepared.plan.caustics, if unbiased { Caustics::Traced } else { Caustics::Photon });
+    let photon = Algorithms { caustics: CausticsMode::Photon, ..Algorithms::PATHS };
+    check_passes(&scenes_with_photons(), photon, [Caustics::Photon; 2]);
+    let unbiased = Algorithms { unbiased: true, ..photon };
+    check_passes(&scenes_with_photons(), unbiased, [Caustics::Traced; 2]);
+}
+
+/// Guards the same of those that look for indirect light, alone and beside those.
+#[test]
+fn indirect_light_depends_on_nothing_but_the_pass() {
+    let photon = Algorithms { indirect: Indirect::Photon, ..Algorithms::PATHS };
+    let mut scenes = scenes_with_photons();
+    scenes.push(("cornell".into(), file("cornell")));
+    scenes.push(("everything textured".into(), valid(&textured::everything_textured())));
+    check_passes(&scenes, photon, [Caustics::Path; 2]);
+    let both = Algorithms { caustics: CausticsMode::Photon, ..photon };
+    check_passes(&scenes, both, [Caustics::Photon, Caustics::Path]);
+}
+
+/// Checks that threads, crops, kernels, the way in which passes are shared, and recording layers change no byte; and that
+/// one sample can be traced alone. `caustics` is how they are found where something throws light, and where nothing does.
+fn check_passes(scenes: &[(String, Scene)], algorithms: Algorithms, caustics: [Caustics; 2]) {
+    for (name, scene) in scenes {
+        let prepared = by_photons(scene, EffectsMode::Auto, algorithms);
+        assert_eq!(prepared.plan.caustics, caustics[usize::from(name == "cornell")], "{name}");
+        assert_eq!(prepared.plan.indirect, algorithms.indirect, "{name}");
         let film = |options: &RenderOptions| {
             let outcome = render(&prepared, options, &Quiet).expect("passes");
             assert_eq!(outcome.film.refused_total(), 0, "{name}: {:?}", outcome.bad);
@@ -285,8 +309,8 @@ fn photons_depend_on_nothing_but_the_pass() {
             );
         }
         // The kernel that simulates everything, and layers.
-        let all = with_photons(&scene, EffectsMode::All, unbiased);
-        check_equal(&image, &picture(&all, &plain()), &name);
+        let all = by_photons(scene, EffectsMode::All, algorithms);
+        check_equal(&image, &picture(&all, &plain()), name);
         let mut layered = picture(&prepared, &RenderOptions { layers: true, ..plain() });
         layered.layers.clear();
         check_equal(&image, &layered, &format!("{name} with layers"));

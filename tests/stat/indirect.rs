@@ -1,16 +1,19 @@
 //! Indirect light by photons against paths: no gap, nothing twice, and a bias that vanishes.
 
+use epsilux::color::Rgb;
+use epsilux::glam::DVec3;
 use epsilux::integrate::{Quiet, RenderOptions, render};
 use epsilux::math::mix64;
 use epsilux::prepare::{Algorithms, CausticsMode, Indirect, prepare};
-use epsilux::scene::Scene;
 use epsilux::scene::text::parse_toml;
+use epsilux::scene::{AlphaMode, Principled, Scene};
 use epsilux::stats::{Moments, sidak_each, student_two_sided, welch};
 
 use crate::agree::enlarge;
 use crate::support::compare::keep;
 use crate::support::fast::{options, valid};
 use crate::support::features;
+use crate::support::scenes::{Build, emitter, principled};
 use crate::support::seed::seed;
 
 /// Chance that a scene fails although nothing is wrong.
@@ -48,8 +51,9 @@ fn means(name: &str, scene: &Scene, algorithms: Algorithms, passes: std::ops::Ra
     means
 }
 
-/// Renders by paths, by photons of the first passes and by those of late ones; late ones may differ by what noise
-/// explains and by `bias`, and the whole has to be sharp enough to see `bound`.
+/// Renders by paths, by photons of the first passes and by those of late ones, whose radius is a fifth; late ones may
+/// differ by what noise explains and by `bias`, which the first ones do not reach, and the whole has to be sharp enough to
+/// see `bound`.
 fn check(
     name: &str,
     scene: &Scene,
@@ -60,7 +64,7 @@ fn check(
     let algorithms = |indirect| Algorithms { caustics, indirect, ..Algorithms::PATHS };
     let by_paths = means(name, scene, algorithms(Indirect::Path), 0..paths);
     let early = means(name, scene, algorithms(Indirect::Photon), 0..photons);
-    const LATE: u32 = 512;
+    const LATE: u32 = 16_384;
     let late = means(name, scene, algorithms(Indirect::Photon), LATE..LATE + photons);
     let limit = sidak_each(ALPHA, late.len());
     let mut wrong = String::new();
@@ -124,5 +128,35 @@ fn caustics_beside() {
 #[test]
 fn everything_at_once() {
     let scene = valid(&features::everything());
-    check("everything", &scene, CausticsMode::Photon, [128, 96], [0.03, 0.2]);
+    check("everything", &scene, CausticsMode::Photon, [128, 96], [0.004, 0.06]);
+}
+
+/// Guards rough glass and rough metal, which make dots of photons: a few passes have to show the light that there is, so
+/// that the path goes on there.
+#[test]
+fn rough_glass_and_metal() {
+    let rough = |change: &dyn Fn(&mut Principled)| {
+        let mut scene = features::stage();
+        scene.sphere(features::MIDDLE, 1.0, principled(change));
+        valid(&scene)
+    };
+    let glass = rough(&|p| (p.transmission, p.roughness) = (1.0, 0.5));
+    check("rough glass", &glass, CausticsMode::Photon, [128, 96], [0.004, 0.03]);
+    let sheet = rough(&|p| (p.transmission, p.roughness, p.thin) = (0.8, 0.3, true));
+    check("sheet", &sheet, CausticsMode::Photon, [128, 96], [0.004, 0.1]);
+}
+
+/// Guards surfaces of which a share is there, for photons as for paths: counted twice, it would take a tenth of the
+/// light in a ball whose wall reflects where it is, and lets light out where it is not.
+#[test]
+fn walls_that_are_partly_there() {
+    let mut scene = Scene::default();
+    let wall = principled(|p| {
+        (p.base_color, p.specular, p.roughness) = (Rgb::grey(0.9), 0.0, 1.0);
+        (p.alpha, p.alpha_mode) = (0.5, AlphaMode::Blend);
+    });
+    scene.sphere(DVec3::ZERO, 3.0, wall);
+    scene.sphere(DVec3::Y, 0.5, emitter(2.0));
+    scene.cameras.push(features::camera(2.0 * DVec3::Z, DVec3::ZERO, 50.0));
+    check("walls", &valid(&scene), CausticsMode::Path, [128, 96], [0.004, 0.03]);
 }

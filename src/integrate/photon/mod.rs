@@ -15,8 +15,10 @@
 //!
 //! *Indirect light*, where the plan asks for it: other photons go any way, (D|S)*, and a path that is to be spread for
 //! the second time, at D2 in `E S* D1 S* D2 .. L`, gathers those around D2 that had an event, and ends: its direct light at D2 is
-//! sampled as ever, and what the first vertex shows is gathered over whole paths ("final gathering"; Jensen). The
-//! radius is the same everywhere, and shrinks from pass to pass in the same way. Photons that are caustics to a map above, or were
+//! sampled as ever, and what the first vertex shows is gathered over whole paths ("final gathering"; Jensen). Where D2 is
+//! a rough metal or rough glass ([`PreparedMaterial::peaked`](crate::prepare::PreparedMaterial)) the path goes on, and
+//! the next one counts: such a surface makes bright dots of few photons. The radius is the same everywhere, and shrinks
+//! from pass to pass in the same way. Photons that are caustics to a map above, or were
 //! seen as such by the camera, do not count: every way still belongs to one estimator.
 //!
 //! Photons also say, beside the paths, how much light there is: [`second`].
@@ -178,7 +180,7 @@ impl<'a> Tracer<'a> {
             trace::walk(walk, &address, share, counters, |landing, counters| {
                 traced.splats.extend(splat::splat(self.scene, landing, &address, self.crop, counters));
                 if maps && landing.spread == 0 {
-                    traced.photons.push(landing.photon);
+                    traced.photons.push(landing.kept());
                 }
             });
         }
@@ -196,8 +198,8 @@ impl<'a> Tracer<'a> {
                 // Direct light is sampled, and a caustic has a map of its own.
                 let photon = &landing.photon;
                 let other = self.maps_caustics() && photon.is_caustic() && landing.spread == 0;
-                if photon.bounces > 0 && !other {
-                    traced.photons.push(*photon);
+                if photon.bounces > 0 && !other && !landing.material.peaked {
+                    traced.photons.push(landing.kept());
                 }
             });
         }

@@ -97,6 +97,15 @@ pub(super) struct Landing<'a> {
     pub(super) material: &'a PreparedMaterial,
 }
 
+impl Landing<'_> {
+    /// The photon as a map keeps it. Where a share of the surface is there, only that share of the photons lands, and a
+    /// path that looks for them is there as seldom; the map stands for all that would arrive.
+    pub(super) fn kept(&self) -> Photon {
+        let there = self.material.cutout.as_ref().map_or(1.0, |c| c.coverage(&self.detail));
+        Photon { power: self.photon.power * (1.0 / there), ..self.photon }
+    }
+}
+
 /// Where photons start, and which way they go.
 #[derive(Clone, Copy)]
 pub(super) struct Walk<'a> {
