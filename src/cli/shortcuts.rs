@@ -6,8 +6,9 @@ use serde::Serialize;
 use super::failure::Failure;
 use crate::integrate::{Control, RunError, StopOnly};
 use crate::prepare::{Fresnel, Omission, Options, Shortcut};
-use crate::price::{self, Better, Budget, Estimate, Price, Priced};
+use crate::price::{self, Better, Budget, Price, Priced};
 use crate::scene::Scene;
+use crate::stats::Interval;
 
 /// What is left out or approximated on purpose. None by default; a picture lists each with the bias that it has.
 #[derive(Args, Debug)]
@@ -172,7 +173,7 @@ impl PricedJson {
 impl From<&Price> for PriceJson {
     fn from(price: &Price) -> Self {
         let finite = |x: f64| x.is_finite().then(|| rounded(x));
-        let both = |e: &Estimate| (rounded(e.value), e.interval.map(rounded));
+        let both = |e: &Interval| (rounded(e.value), e.ends().map(rounded));
         let (bias, bias_interval) = both(&price.bias);
         let (error, error_interval) = both(&price.error);
         let layers = price.layers.iter().map(|(layer, bias)| {
@@ -182,7 +183,7 @@ impl From<&Price> for PriceJson {
         let (better, until) = match price.better {
             Better::Never => ("never", None),
             Better::Unknown => ("unknown", None),
-            Better::Until(until) if until.interval[0].is_finite() => ("until", Some(until)),
+            Better::Until(until) if until.low.is_finite() => ("until", Some(until)),
             Better::Until(_) => ("always", None),
         };
         Self {
@@ -195,7 +196,7 @@ impl From<&Price> for PriceJson {
             variance: rounded(price.variance),
             better,
             better_until: until.and_then(|e| finite(e.value)),
-            better_until_interval: until.map(|e| e.interval.map(finite)),
+            better_until_interval: until.map(|e| e.ends().map(finite)),
             seconds: None,
         }
     }

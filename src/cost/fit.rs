@@ -7,47 +7,7 @@
 //! or the end of the interval of s that is nearest to it: a slope is believed only as far as it is proved. The
 //! interval of the samples comes from the spread of E^2 over the seeds at the last point.
 
-use crate::stats::{Moments, slope, student_quantile};
-
-/// A figure with its 95 % interval.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Interval {
-    /// The figure.
-    pub value: f64,
-    /// Where it is in 95 of 100 measurements: from.
-    pub low: f64,
-    /// To.
-    pub high: f64,
-}
-
-impl Interval {
-    /// Mean of numbers about normal, by Student's t; the whole line where there are fewer than two.
-    #[must_use]
-    pub fn of_mean(values: &[f64]) -> Self {
-        let m: Moments = values.iter().copied().collect();
-        let within = match m.n {
-            0 | 1 => f64::INFINITY,
-            n => student_quantile(0.975, (n - 1) as f64) * m.variance_of_mean().sqrt(),
-        };
-        Self { value: m.mean, low: m.mean - within, high: m.mean + within }
-    }
-
-    /// Root of the mean of positive squares: their interval is a factor, as is that of what spreads by factors.
-    #[must_use]
-    pub fn of_root(squares: &[f64]) -> Self {
-        let square = Self::of_mean(squares);
-        let value = square.value.max(0.0).sqrt();
-        let relative = if square.value > 0.0 { (square.high - square.value) / square.value } else { 0.0 };
-        let factor = libm::exp(0.5 * relative);
-        Self { value, low: value / factor, high: value * factor }
-    }
-
-    /// Every end times a positive number.
-    #[must_use]
-    pub fn times(self, factor: f64) -> Self {
-        Self { value: self.value * factor, low: self.low * factor, high: self.high * factor }
-    }
-}
+use crate::stats::{Interval, slope, student_quantile};
 
 /// Points at the end that the line goes through, at most.
 const LAST: usize = 5;
@@ -94,7 +54,7 @@ impl Fit {
         let n = seeds as f64;
         let within = student_quantile(0.975, n - 1.0) * (spread * (n - 1.0) / n).sqrt();
         Some(Self {
-            slope: Interval { value: s, low: s - within, high: s + within },
+            slope: Interval::around(s, within),
             intercept,
             over: [used.first()?.0, used.last()?.0],
             last: Interval::of_root(&used.last()?.1),

@@ -2,14 +2,13 @@
 
 use std::time::{Duration, Instant};
 
+use super::beforehand::{prediction, stated};
 use super::error::{Parts, Reference};
-use super::fit::Interval;
 use super::numerics;
 use super::pictures::{self, Pictures};
-use super::report::{CostReport, Measured, Prediction, Runs};
+use super::report::{CostReport, Measured, Runs};
 use super::run::{Run, Work, luminance};
-use super::switches::{reference, reference_way, switches};
-use crate::film::ErrorEstimate;
+use super::switches::{Kind, Switch, reference, reference_way, switches};
 use crate::integrate::RunError;
 use crate::prepare::{Options, Prepared};
 use crate::scene::{Scene, sha256};
@@ -109,12 +108,10 @@ pub fn measure(
     observer: &dyn Observer,
 ) -> Result<(CostReport, Pictures), CostError> {
     let small = Options { size: options.measured, ..options.prepare.clone() };
-    let ways = switches(scene, &small)?;
-    let mut prepared: Vec<Prepared> =
-        ways.iter().map(|w| w.prepare(scene, &small)).collect::<Result<_, _>>()?;
-    let mut long = reference(scene, &small)?;
     let mut work =
         Work { observer, threads: options.threads, total: f64::INFINITY, done: 0.0, doing: String::new() };
+    let (ways, mut prepared) = ready(scene, &small, &mut work)?;
+    let mut long = reference(scene, &small)?;
     let schedule = schedule(options, &mut prepared, &mut long, &mut work)?;
 
     let base = options.prepare.seed;
@@ -147,6 +144,9 @@ pub fn measure(
     let measured: Vec<Measured> =
         ways.iter().zip(&summed).map(|(w, r)| Measured::new(w, r, &summed[0], truth.total)).collect();
 
+    work.doing = "a quote".to_owned();
+    prepared[0].seed = base;
+    let prediction = prediction(&prepared[0], &measured[0], &work)?;
     let (pictures, layers) =
         pictures::render(scene, options, &ways, &measured, &schedule.units, schedule.pictures, &mut work)?;
     work.doing = "double precision".to_owned();
@@ -165,13 +165,54 @@ pub fn measure(
         reference_way: reference_way(&long),
         reference_spp: schedule.reference * REFERENCES,
         reference_error: truth.noise.sqrt(),
-        prediction: prediction(&runs[0], &schedule.levels[0], &measured[0]),
+        prediction,
         stated: stated(&runs[0], &summed[0]),
         switches: measured,
         layers,
         double,
     };
     Ok((report, pictures))
+}
+
+/// Passes that show whether an estimator has anything to do: one of each replication.
+const FIRST: u32 = 4;
+/// What two pictures of the same samples may differ by where sums are in another order, relative to all light.
+const ROUNDING: f64 = 1e-5;
+
+/// All ways, ready to render; without estimators that have nothing to do: their first passes are those of the full
+/// method.
+fn ready(
+    scene: &Scene,
+    options: &Options,
+    work: &mut Work<'_>,
+) -> Result<(Vec<Switch>, Vec<Prepared>), RunError> {
+    work.doing = "what there is to switch".to_owned();
+    let first = |prepared: &Prepared, work: &mut Work<'_>| -> Result<Vec<f64>, RunError> {
+        Ok(luminance(&work.film(prepared, FIRST, false, 0.0)?.film.to_image()))
+    };
+    let (mut ways, mut ready, mut full) = (Vec::new(), Vec::new(), None);
+    for way in switches(scene, options)? {
+        let prepared = way.prepare(scene, options)?;
+        let shows = match way.kind {
+            Kind::Full => {
+                full = Some(first(&prepared, work)?);
+                true
+            }
+            Kind::Algorithm => differs(full.as_deref().unwrap_or_default(), &first(&prepared, work)?),
+            Kind::Shortcut => true,
+        };
+        if shows {
+            ways.push(way);
+            ready.push(prepared);
+        }
+    }
+    Ok((ways, ready))
+}
+
+/// Whether two pictures hold more than the same samples.
+fn differs(a: &[f64], b: &[f64]) -> bool {
+    let apart: f64 = a.iter().zip(b).map(|(x, y)| (x - y).abs()).sum();
+    a.len() != b.len() || apart > ROUNDING * a.iter().sum::<f64>()
 }
 
 fn camera_name(scene: &Scene, options: &CostOptions) -> String {
@@ -268,42 +309,4 @@ fn summary(runs: &[Run], levels: &[u32], truth: &Reference, larger: f64, pixels:
         seconds: runs.iter().map(|r| r.seconds * larger / passes).collect(),
         rays_per_sample: rays / (passes * pixels),
     }
-}
-
-/// What the first run said of the samples that it would take to the error that came: its error falls with the root
-/// of the samples.
-fn prediction(runs: &[Run], levels: &[u32], full: &Measured) -> Option<Prediction> {
-    /// Doublings that are foretold, and samples below which nothing can be said.
-    const AHEAD: usize = 3;
-    const LEAST: u32 = 4;
-    let last = levels.len().checked_sub(1)?;
-    let least = levels.iter().position(|n| *n >= LEAST)?;
-    let early = last.saturating_sub(AHEAD).max(least);
-    if early >= last {
-        return None;
-    }
-    let stated: ErrorEstimate = runs.first()?.stated[early]?;
-    let error = full.points.last()?.error.value;
-    let samples = |e: f64| f64::from(levels[early]) * (e / error) * (e / error);
-    let [low, high] = stated.interval;
-    Some(Prediction {
-        after: levels[early],
-        stated: Interval { value: stated.error, low, high },
-        samples: Interval { value: samples(stated.error), low: samples(low), high: samples(high) },
-        error,
-        came: levels[last],
-    })
-}
-
-/// How many statements of the last pictures hold their true error.
-fn stated(runs: &[Run], summed: &Runs) -> [u32; 2] {
-    let Some(last) = summed.parts.last() else { return [0, 0] };
-    let pairs = runs.iter().zip(&last.squares);
-    let holds = |(run, square): (&Run, &f64)| {
-        let stated = (*run.stated.last()?)?;
-        let truth = square.max(0.0).sqrt();
-        Some((stated.interval[0]..=stated.interval[1]).contains(&truth))
-    };
-    let all: Vec<bool> = pairs.filter_map(holds).collect();
-    [all.iter().filter(|h| **h).count() as u32, all.len() as u32]
 }

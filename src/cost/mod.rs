@@ -15,6 +15,7 @@
 //! light is so rare that the reference lacks it: then E is too small for all ways alike, and the page says how far
 //! the reference can be trusted.
 
+mod beforehand;
 mod error;
 mod fit;
 mod measure;
@@ -29,7 +30,7 @@ mod switches;
 mod tests;
 
 pub use error::Parts;
-pub use fit::{Fit, Interval};
+pub use fit::Fit;
 pub use measure::{CostError, CostOptions, Effort, Observer, measure};
 pub use numerics::DoubleReference;
 pub use page::{About, page, summary};

@@ -5,7 +5,6 @@
 
 use serde::Serialize;
 
-use super::fit::Interval;
 use super::measure::{APART, CostOptions};
 use super::run::{Work, luminance};
 use crate::film::Image;
@@ -14,6 +13,7 @@ use crate::integrate::naive::{ReferenceOptions, reference};
 use crate::prepare::{Options, Shortcuts, prepare};
 use crate::report::inventory;
 use crate::scene::Scene;
+use crate::stats::Interval;
 
 /// What was found.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -25,7 +25,7 @@ pub struct DoubleReference {
     /// All light of the default method over that of the reference, less one.
     pub difference: Interval,
     /// Processor seconds of the reference over those of the default method, for as many samples.
-    pub seconds: f64,
+    pub time_ratio: f64,
 }
 
 /// Shorter side of the picture, at most.
@@ -87,7 +87,7 @@ pub(super) fn double(
         size,
         spp: SAMPLES * PARTS,
         difference: Interval::of_mean(&relative),
-        seconds: seconds[1] / seconds[0].max(1e-9),
+        time_ratio: seconds[1] / seconds[0].max(1e-9),
     }))
 }
 

@@ -3,9 +3,10 @@
 use serde::Serialize;
 
 use super::error::Parts;
-use super::fit::{Fit, Interval};
+use super::fit::Fit;
 use super::numerics::DoubleReference;
 use super::switches::{Kind, Switch};
+use crate::stats::Interval;
 
 /// Errors whose price is told.
 pub const TARGETS: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.005];
@@ -39,7 +40,7 @@ pub struct CostReport {
     pub reference_error: f64,
     /// What was measured: first that nothing is switched.
     pub switches: Vec<Measured>,
-    /// What the first run said beforehand, beside what came.
+    /// What a quote says beforehand, beside what came.
     pub prediction: Option<Prediction>,
     /// How many of the statements of the full pictures held the true error in their 95 % interval, and of how many.
     pub stated: [u32; 2],
@@ -129,18 +130,18 @@ pub enum Until {
     },
 }
 
-/// What the first run says of its error early on, and what came.
+/// A quote, and what came.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Prediction {
-    /// Samples a pixel after which it was asked.
+    /// Samples a pixel that it rests on.
     pub after: u32,
-    /// What it said its error was then.
-    pub stated: Interval,
-    /// Samples a pixel that it then said would be needed to the error that all runs had in the end.
-    pub samples: Interval,
-    /// That error, relative.
+    /// They were taken at one pixel of so many.
+    pub every: u32,
+    /// The error that it is for: that of the longest runs, relative.
     pub error: f64,
-    /// Samples a pixel that it took.
+    /// Samples a pixel that it says to take; `None` where it does not say, since too little was seen.
+    pub samples: Option<Interval>,
+    /// Samples a pixel that the error took.
     pub came: u32,
 }
 
@@ -201,7 +202,7 @@ impl Measured {
         };
         let own = runs.price_of_noise(switch.kind, seconds_per_pass);
         let of_full = full.price_of_noise(Kind::Full, median(full));
-        let bias = runs.parts.last().map_or(Interval { value: 0.0, low: 0.0, high: 0.0 }, bias_squared);
+        let bias = runs.parts.last().map_or(Interval::around(0.0, 0.0), bias_squared);
         Self {
             name: switch.name.clone(),
             what: switch.what.clone(),
@@ -214,7 +215,7 @@ impl Measured {
             points: runs.levels.iter().zip(&runs.parts).map(point).collect(),
             fit,
             change: change(runs, full, light),
-            floor: root(bias),
+            floor: bias.root(),
             prices,
             efficiency: own.zip(of_full).map(|(own, full)| full / own),
             until: if shortcut { until(own, of_full, bias) } else { Until::NoShortcut },
@@ -230,7 +231,7 @@ impl Measured {
     /// Whether its picture is proved to be another than the full one.
     #[must_use]
     pub fn differs(&self) -> bool {
-        self.floor.low > 0.0 || self.change.low > 0.0 || self.change.high < 0.0
+        self.floor.low > 0.0 || !self.change.may_be_zero()
     }
 }
 
@@ -244,14 +245,7 @@ fn point((spp, parts): (&u32, &Parts)) -> Point {
 }
 
 fn bias_squared(parts: &Parts) -> Interval {
-    let (b, within) = (parts.bias, parts.bias_within);
-    Interval { value: b, low: b - within, high: b + within }
-}
-
-/// Roots, zero of what is negative.
-fn root(square: Interval) -> Interval {
-    let root = |v: f64| v.max(0.0).sqrt();
-    Interval { value: root(square.value), low: root(square.low), high: root(square.high) }
+    Interval::around(parts.bias, parts.bias_within)
 }
 
 /// Share of the light that is added, seed by seed, where both have as many samples.

@@ -4,6 +4,7 @@ use super::measure::Observer;
 use crate::film::{ErrorEstimate, Film, Image};
 use crate::integrate::{Control, Counters, Progress, RenderOptions, RunError, layout, render_onto};
 use crate::prepare::Prepared;
+use crate::quote::{self, Pilot};
 use crate::stats;
 
 /// How far the whole measurement is, in units of work that were estimated beforehand.
@@ -85,6 +86,13 @@ impl Work<'_> {
             ..RenderOptions::passes(0..passes)
         };
         self.step(prepared, Film::new(layout(prepared, &options)), &options, unit)
+    }
+
+    /// The pilot of a quote that takes about so many rays.
+    pub(super) fn pilot(&self, prepared: &Prepared, rays: u64) -> Result<Pilot, RunError> {
+        let options = RenderOptions { threads: self.threads, ..RenderOptions::passes(0..0) };
+        let pilot = quote::pilot(prepared, &options, rays, &Step { work: self, span: 0.0 })?;
+        if self.observer.cancelled() { Err(RunError::Cancelled) } else { Ok(pilot) }
     }
 
     fn step(

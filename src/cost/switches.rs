@@ -1,8 +1,8 @@
 //! What can be switched: estimators, and effects that a picture could do without.
 
 use crate::prepare::{
-    self, Algorithms, Caustics, CausticsMode, Effect, Omission, Options, Plan, PrepareError, Prepared,
-    Shortcut, shortcuts_of,
+    self, Algorithms, Caustics, CausticsMode, Effect, Indirect, Omission, Options, Plan, PrepareError,
+    Prepared, Shortcut, shortcuts_of,
 };
 use crate::scene::Scene;
 
@@ -140,16 +140,59 @@ pub fn switches(scene: &Scene, options: &Options) -> Result<Vec<Switch>, Prepare
     Ok(all)
 }
 
-/// Estimators that the program would not choose by itself.
+/// Samples of a part that are tried where one is taken.
+const SEVERAL: u32 = 4;
+/// Events from which roulette starts in other ways: before and after the usual one.
+const ROULETTE_STARTS: [u32; 2] = [2, 8];
+
+/// Estimators that the program would not choose by itself, as far as the plan tells them apart; of these, whoever
+/// measures leaves out those that have nothing to do in the scene.
 fn estimators(scene: &Scene, options: &Options, by_itself: &Plan) -> Result<Vec<Switch>, PrepareError> {
-    let ways = [("paths", "path", CausticsMode::Path), ("photons", "photon", CausticsMode::Photon)];
+    let (asked, chosen) = (options.algorithms, by_itself.algorithms());
+    let other = |now: u32| if now == 1 { SEVERAL } else { 1 };
+    let (samples, ways) = (other(by_itself.light_samples), other(by_itself.split));
+    let caustics = |name: &str, word: &str, caustics| {
+        let algorithms = Algorithms { caustics, ..asked };
+        (format!("caustics by {name}"), format!("caustics={word}"), None, algorithms)
+    };
+    let indirect = |name: &str, word: &str, what: &str, indirect| {
+        let algorithms = Algorithms { indirect, ..asked };
+        (format!("indirect light by {name}"), format!("indirect={word}"), Some(what.to_owned()), algorithms)
+    };
+    let mut tried = vec![
+        caustics("paths", "path", CausticsMode::Path),
+        caustics("photons", "photon", CausticsMode::Photon),
+        indirect("paths", "path", "paths go on where they are spread again", Indirect::Path),
+        indirect(
+            "photons",
+            "photon",
+            "a path ends where it is spread for the second time, and photons say what light arrives there",
+            Indirect::Photon,
+        ),
+        (
+            format!("{samples} light sample{}", if samples == 1 { "" } else { "s" }),
+            format!("light-samples={samples}"),
+            Some("of lights at the first hit that spreads light".to_owned()),
+            Algorithms { light_samples: Some(samples), ..asked },
+        ),
+        (
+            if ways == 1 { "no splitting".to_owned() } else { format!("split {ways} ways") },
+            format!("split={ways}"),
+            Some("where the camera sees a mirror or clear glass first".to_owned()),
+            Algorithms { split: Some(ways), ..asked },
+        ),
+    ];
+    tried.extend(ROULETTE_STARTS.map(|start| {
+        let what = "paths may end by chance from this event on".to_owned();
+        let algorithms = Algorithms { roulette: Some(start), ..asked };
+        (format!("roulette from event {start}"), format!("roulette={start}"), Some(what), algorithms)
+    }));
     let mut others = Vec::new();
-    for (name, word, caustics) in ways {
-        let algorithms = Algorithms { caustics, ..options.algorithms };
-        let other = prepare::plan(scene, &Options { algorithms, ..options.clone() })?.caustics;
-        if other != by_itself.caustics {
-            let (name, flag) = (format!("caustics by {name}"), format!("--algorithm caustics={word}"));
-            others.push(Switch::algorithm(&name, &flag, other.what(), algorithms));
+    for (name, typed, what, algorithms) in tried {
+        let plan = prepare::plan(scene, &Options { algorithms, ..options.clone() })?;
+        if plan.algorithms() != chosen {
+            let what = what.unwrap_or_else(|| plan.caustics.what().to_owned());
+            others.push(Switch::algorithm(&name, &format!("--algorithm {typed}"), &what, algorithms));
         }
     }
     Ok(others)

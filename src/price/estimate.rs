@@ -18,7 +18,7 @@
 //! work, takes n / w samples in the same time and has the squared error B^2 + v' w / n. It is the better choice while
 //! n < (v - v' w) / B^2.
 
-use crate::stats::ERROR_FLOOR;
+use crate::stats::{ERROR_FLOOR, Interval};
 
 /// Runs of each render.
 pub const RUNS: usize = 16;
@@ -29,28 +29,6 @@ const T: f64 = 2.131_449_545_559_323;
 /// Side of the blocks of pixels whose means R is drawn to.
 const BLOCK: usize = 4;
 
-/// A figure, and its 95 % interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// The figure.
-    pub value: f64,
-    /// Its lower and its upper end.
-    pub interval: [f64; 2],
-}
-
-impl Estimate {
-    fn new(value: f64, standard_error: f64) -> Self {
-        let half = T * standard_error;
-        Self { value, interval: [value - half, value + half] }
-    }
-
-    /// Whether it is zero as far as can be seen.
-    #[must_use]
-    pub fn may_be_zero(&self) -> bool {
-        self.interval[0] <= 0.0 && self.interval[1] >= 0.0
-    }
-}
-
 /// Until when a shortcut is the better choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Better {
@@ -60,7 +38,7 @@ pub enum Better {
     Unknown,
     /// While a full render would take fewer samples per pixel than this; from then on, what the shortcut takes from
     /// the picture is more than the noise that it saves. Infinite where no bias was seen.
-    Until(Estimate),
+    Until(Interval),
 }
 
 /// Sums of one pixel over runs: of full, short, and their difference, and of their squares.
@@ -226,22 +204,22 @@ impl Paired {
     }
 
     /// A figure, with the interval of the jackknife.
-    fn jackknife(&self, figure: impl Fn(&Relative) -> f64) -> Estimate {
+    fn jackknife(&self, figure: impl Fn(&Relative) -> f64) -> Interval {
         let n = self.left_out.len() as f64;
         let mean = self.left_out.iter().map(&figure).sum::<f64>() / n;
         let squares: f64 = self.left_out.iter().map(|r| (figure(r) - mean) * (figure(r) - mean)).sum();
-        Estimate::new(figure(&self.relative), (squares * (n - 1.0) / n).sqrt())
+        Interval::around(figure(&self.relative), T * (squares * (n - 1.0) / n).sqrt())
     }
 
     /// Bias of the mean of all pixels, relative.
-    pub(super) fn bias(&self) -> Estimate {
+    pub(super) fn bias(&self) -> Interval {
         let mean = |run: &Vec<f64>| run.iter().sum::<f64>() / run.len() as f64;
         let of = |runs: &[Vec<f64>]| runs.iter().map(mean).collect::<Vec<_>>();
         self.bias_of(&of(&self.full), &of(&self.short))
     }
 
     /// Bias of a part of the light whose means over the picture these are, by run, relative to all light.
-    pub(super) fn bias_of(&self, full: &[f64], short: &[f64]) -> Estimate {
+    pub(super) fn bias_of(&self, full: &[f64], short: &[f64]) -> Interval {
         let n = self.full.len() as f64;
         let all: Vec<f64> = self.full.iter().map(|run| run.iter().sum::<f64>() / run.len() as f64).collect();
         let mean = all.iter().sum::<f64>() / n;
@@ -249,14 +227,12 @@ impl Paired {
         let bias = differences().sum::<f64>() / (n * mean);
         let residuals = differences().zip(&all).map(|(d, f)| d - bias * f);
         let squares: f64 = residuals.map(|e| e * e).sum();
-        Estimate::new(bias, (squares / (n * (n - 1.0))).sqrt() / mean)
+        Interval::around(bias, T * ((squares / (n * (n - 1.0))).sqrt() / mean))
     }
 
     /// Root of the mean squared relative bias of pixels.
-    pub(super) fn error(&self) -> Estimate {
-        let Estimate { value, interval } = self.jackknife(|r| r.bias2);
-        let root = |x: f64| x.max(0.0).sqrt();
-        Estimate { value: root(value), interval: interval.map(root) }
+    pub(super) fn error(&self) -> Interval {
+        self.jackknife(|r| r.bias2).root()
     }
 
     /// Variance of the short render over that of the full one; infinite where that has none and this one has.
@@ -268,15 +244,15 @@ impl Paired {
     /// Until when the short render is the better choice.
     pub(super) fn better(&self) -> Better {
         let gain = self.jackknife(|r| r.gain);
-        if gain.interval[1] <= 0.0 {
+        if gain.high <= 0.0 {
             return Better::Never;
         }
-        if gain.interval[0] <= 0.0 {
+        if gain.low <= 0.0 {
             return Better::Unknown;
         }
-        let Estimate { value, interval: [low, high] } = self.jackknife(|r| r.bias2);
+        let bias2 = self.jackknife(|r| r.bias2);
         let until = |bias2: f64| if bias2 > 0.0 { gain.value / bias2 } else { f64::INFINITY };
-        Better::Until(Estimate { value: until(value), interval: [until(high), until(low)] })
+        Better::Until(Interval { value: until(bias2.value), low: until(bias2.high), high: until(bias2.low) })
     }
 }
 
@@ -317,7 +293,7 @@ mod tests {
         let [full, short] = runs(1, |v, _| 0.9 * v);
         let paired = Paired::new(full, short, 8, 4, 0.5).expect("runs");
         let bias = paired.bias();
-        assert!((bias.value + 0.1).abs() < 1e-12 && bias.interval[1] - bias.interval[0] < 1e-12, "{bias:?}");
+        assert!((bias.value + 0.1).abs() < 1e-12 && bias.within() < 1e-12, "{bias:?}");
         assert!((paired.variance() - 0.81).abs() < 1e-9);
         // (B - R)^2 / (R^2 + c^2) with R = 1, c = 0.1.
         let expected = 0.1 / 1.01f64.sqrt();
@@ -327,7 +303,7 @@ mod tests {
         let expected = 4.0 / 12.0 * (1.0 - 0.405) / 0.01;
         let Better::Until(until) = paired.better() else { panic!("{:?}", paired.better()) };
         assert!((until.value / expected - 1.0).abs() < 0.1, "{until:?} {expected}");
-        assert!(until.interval[0] < until.value && until.value < until.interval[1], "{until:?}");
+        assert!(until.low < until.value && until.value < until.high, "{until:?}");
     }
 
     /// Guards the intervals: of 200 differences that are noise and a known bias, 95 % hold it, give or take three
@@ -338,9 +314,8 @@ mod tests {
         for seed in 0..200 {
             let [full, short] = runs(100 + seed, |_, random| random.next() - 0.2);
             let paired = Paired::new(full, short, 8, 1, 1.0).expect("runs");
-            let holds = |e: Estimate, x: f64| (e.interval[0]..=e.interval[1]).contains(&x);
-            means += u32::from(holds(paired.bias(), -0.2));
-            pixels += u32::from(holds(paired.error(), 0.2 / 1.01f64.sqrt()));
+            means += u32::from(paired.bias().holds(-0.2));
+            pixels += u32::from(paired.error().holds(0.2 / 1.01f64.sqrt()));
         }
         assert!((181..=199).contains(&means) && (181..=199).contains(&pixels), "{means} {pixels}");
     }
@@ -371,7 +346,7 @@ mod tests {
     fn nothing_is_not_something() {
         let [full, short] = runs(3, |_, random| random.next());
         let paired = Paired::new(full, short, 8, 1, 1.0).expect("runs");
-        assert!(paired.bias().may_be_zero() && paired.error().interval[0] == 0.0);
+        assert!(paired.bias().may_be_zero() && paired.error().low == 0.0);
         assert_eq!(paired.better(), Better::Unknown);
         let [full, short] = runs(4, |v, _| v);
         assert_eq!(

@@ -18,7 +18,7 @@
 mod estimate;
 mod words;
 
-pub use estimate::{Better, Estimate, RUNS};
+pub use estimate::{Better, RUNS};
 
 use std::time::Duration;
 
@@ -30,7 +30,7 @@ use crate::integrate::{self, Control, RenderOptions, RunError};
 use crate::math::{fnv1a, mix64};
 use crate::prepare::{self, Options, Plan, Shortcut, prepare};
 use crate::scene::Scene;
-use crate::stats::luminance;
+use crate::stats::{Interval, luminance};
 
 /// How much work a price is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,12 +73,12 @@ pub struct Priced {
 pub struct Price {
     /// By how much the mean luminance differs from that of the full picture, relative to it: -0.03 is three per cent
     /// too dark.
-    pub bias: Estimate,
+    pub bias: Interval,
     /// The same of each part of the light, relative to all light of the full picture; they add up to `bias`.
-    pub layers: Vec<(LightLayer, Estimate)>,
+    pub layers: Vec<(LightLayer, Interval)>,
     /// The root of the mean over pixels of (B - R)^2 / (R^2 + c^2), B being what the short picture converges to, R what
     /// the full one does, and c a tenth of the mean of R: as the error of a picture, but of bias alone.
-    pub error: Estimate,
+    pub error: Interval,
     /// Rays of the short render over those of the full one, for as many samples.
     pub work: f64,
     /// Variance of the short render over that of the full one, for as many samples, both relative as in `error`.

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::{Better, Estimate, Price, Priced};
+use super::{Better, Price, Priced};
+use crate::stats::Interval;
 
 /// `without caustics: 2.8 % (±0.2) darker, pixels off by 14 % (12 to 16); saves 31 % of the rays, ..; better only up to 43
 /// samples`. Time is what it took here and now.
@@ -31,8 +32,8 @@ impl fmt::Display for Price {
             Better::Until(until) if until.value.is_finite() => {
                 write!(f, "; better only up to {} samples", round(until.value))
             }
-            Better::Until(until) if until.interval[0].is_finite() => {
-                write!(f, "; better up to {} samples at least", round(until.interval[0]))
+            Better::Until(until) if until.low.is_finite() => {
+                write!(f, "; better up to {} samples at least", round(until.low))
             }
             Better::Until(_) => write!(f, "; better as far as can be seen"),
         }
@@ -40,8 +41,8 @@ impl fmt::Display for Price {
 }
 
 /// What a bias does to the picture.
-fn brightness(bias: &Estimate) -> String {
-    let half = 0.5 * (bias.interval[1] - bias.interval[0]);
+fn brightness(bias: &Interval) -> String {
+    let half = bias.within();
     if bias.value == 0.0 && half == 0.0 {
         return "exactly as bright".to_owned();
     }
@@ -62,8 +63,8 @@ fn saved(taken: f64, what: &str) -> String {
 }
 
 /// How far off pixels are.
-fn error(error: &Estimate) -> String {
-    match error.interval {
+fn error(error: &Interval) -> String {
+    match error.ends() {
         [_, high] if high <= 0.0 => "pixels the same".to_owned(),
         [low, high] if low <= 0.0 => format!("pixels off by less than {}", share(high)),
         [low, high] => {
@@ -101,7 +102,7 @@ mod tests {
     use crate::prepare::{Omission, Shortcut};
 
     fn priced(bias: [f64; 3], error: [f64; 3], work: f64, better: Better) -> String {
-        let estimate = |[value, low, high]: [f64; 3]| Estimate { value, interval: [low, high] };
+        let estimate = |[value, low, high]: [f64; 3]| Interval { value, low, high };
         let price = Price {
             bias: estimate(bias),
             layers: Vec::new(),
@@ -117,7 +118,7 @@ mod tests {
 
     #[test]
     fn lines_say_what_was_measured() {
-        let until = |value, low, high| Better::Until(Estimate { value, interval: [low, high] });
+        let until = |value, low, high| Better::Until(Interval { value, low, high });
         let infinity = f64::INFINITY;
         let lines = [
             priced([-0.0281, -0.0301, -0.0261], [0.14, 0.12, 0.16], 0.69, until(43.2, 30.0, 61.0)),

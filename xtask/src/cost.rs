@@ -31,13 +31,15 @@ pub(crate) struct Arguments {
 
 /// The marks around the table.
 pub(crate) const BEGIN: &str = "<!-- cost:";
-/// What stands in the first one where nothing has been measured.
-pub(crate) const NOT_YET: &str = "<!-- cost: not yet -->";
-const END: &str = "<!-- /cost -->";
+pub(crate) const END: &str = "<!-- /cost -->";
 /// The error whose price the table tells.
 const ERROR: f64 = 0.01;
 /// Effects that are named for each scene, at most.
 const NAMED: usize = 3;
+/// What is named has less than this share of the full price, or is another way and takes more than so many of it: what
+/// lies between is within the noise of few seeds, or does not matter.
+const CHEAPER: f64 = 0.8;
+const DEARER: f64 = 2.0;
 
 /// Runs the chore; an error is a message for people.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
@@ -117,10 +119,12 @@ fn row(name: &str, report: &Value) -> String {
     let of = |kind: &str| -> Vec<(&Value, f64)> {
         ways.iter().filter(|w| text(w, "kind") == kind).filter_map(|w| Some((w, ratio(w)?))).collect()
     };
+    let mut others = of("algorithm");
+    others.retain(|(_, r)| *r < CHEAPER || *r > DEARER);
     let others: Vec<String> =
-        of("algorithm").iter().map(|(w, r)| format!("{} {}", text(w, "name"), digits(*r))).collect();
+        others.iter().map(|(w, r)| format!("{} {}", text(w, "name"), digits(*r))).collect();
     let mut shortcuts = of("shortcut");
-    shortcuts.retain(|(_, r)| *r < 0.95);
+    shortcuts.retain(|(_, r)| *r < CHEAPER);
     shortcuts.sort_by(|a, b| a.1.total_cmp(&b.1));
     let named = shortcuts.iter().take(NAMED).map(|(w, r)| format!("{} {}", text(w, "gives_up"), digits(*r)));
     let shortcuts = named.collect::<Vec<_>>().join(", ");
@@ -173,7 +177,7 @@ fn write_table(
 mod tests {
     use super::*;
 
-    /// Prices are told by rays, the dearest effect first, and what saves nothing is not named.
+    /// Prices are told by rays, the dearest effect first, and what makes no difference is not named.
     #[test]
     fn rows_are_ratios_of_rays() {
         let way = |name: &str, kind: &str, gives_up: &str, samples: f64, rays: f64| {
@@ -183,12 +187,13 @@ mod tests {
         let report = serde_json::json!({ "switches": [
             way("full", "full", "", 1234.0, 8.0),
             way("caustics by photons", "algorithm", "", 100.0, 12.0),
+            way("4 light samples", "algorithm", "", 1000.0, 12.0),
+            way("split 4 ways", "algorithm", "", 1000.0, 24.0),
             way("without mirror", "shortcut", "mirror", 600.0, 8.0),
             way("at most 4 events", "shortcut", "light after 4 events", 1000.0, 4.0),
             way("at most 8 events", "shortcut", "light after 8 events", 1230.0, 8.0),
         ] });
-        let expected =
-            "| room | 1200 | 9900 | caustics by photons 0.12 | light after 4 events 0.41, mirror 0.49 |";
+        let expected = "| room | 1200 | 9900 | caustics by photons 0.12, split 4 ways 2.4 | light after 4 events 0.41, mirror 0.49 |";
         assert_eq!(row("room", &report), expected);
         assert_eq!(row("room", &Value::Null), "| room | | | | |");
     }

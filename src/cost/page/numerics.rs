@@ -19,18 +19,14 @@ pub(super) fn prices(report: &CostReport, prices: &[Price]) -> String {
         );
     }
     if let Some(d) = &report.double {
-        let within = 0.5 * (d.difference.high - d.difference.low);
-        let word = if d.difference.low > 0.0 || d.difference.high < 0.0 {
-            "differs"
-        } else {
-            "differs by no more than noise"
-        };
+        let may_be_zero = d.difference.may_be_zero();
+        let word = if may_be_zero { "differs by no more than noise" } else { "differs" };
         html += &format!(
             "<p>The reference integrator, brute force in double precision, takes <b>{} times</b> as long a sample. Its light {word} \
              from that of single precision: {} \u{b1} {} ({} samples at {}\u{d7}{}).</p>\n",
-            round(d.seconds),
+            round(d.time_ratio),
             Text(&change(d.difference.value)),
-            Text(change(within).trim_start_matches('+')),
+            Text(change(d.difference.within()).trim_start_matches('+')),
             d.spp,
             d.size[0],
             d.size[1],

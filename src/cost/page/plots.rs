@@ -138,9 +138,8 @@ fn title(way: &Measured) -> String {
 
 fn caption(way: &Measured) -> String {
     let slope = way.fit.as_ref().map_or_else(String::new, |f| {
-        let within = 0.5 * (f.slope.high - f.slope.low);
         let of = if way.kind == Kind::Shortcut { "noise falls" } else { "falls" };
-        format!("{of} with power {} \u{b1} {within:.2} of time", signed(-f.slope.value, 2))
+        format!("{of} with power {} \u{b1} {:.2} of time", signed(-f.slope.value, 2), f.slope.within())
     });
     let floor = match way.kind == Kind::Shortcut && way.floor.low > 0.0 {
         true => format!(", to a bias of {}", percent(way.floor.value)),

@@ -1,4 +1,4 @@
-//! The answers at the top, the table of all switches, and what was said beforehand.
+//! The answers at the top, the table of all switches, and what is said beforehand.
 
 use super::words::{Words, brightness, capital, percent_of_target, round, signed, thousands};
 use crate::cost::report::{CostReport, MAIN, Measured, Until};
@@ -230,21 +230,26 @@ pub(super) fn consists(report: &CostReport) -> String {
     )
 }
 
-/// What the first run said of its samples, and how many it took.
+/// What a quote said of the samples, and how many it took.
 pub(super) fn beforehand(report: &CostReport) -> String {
     let mut html = String::new();
     if let Some(p) = &report.prediction {
+        let of = if p.every > 1 { format!(" at one pixel in {}", p.every) } else { String::new() };
+        let said = match p.samples {
+            Some(s) => format!(
+                "<b>{} samples</b><span class=\"what\">{} to {}</span>",
+                thousands(s.value),
+                thousands(s.low),
+                thousands(s.high)
+            ),
+            None => "no quote<span class=\"what\">too little was seen</span>".into(),
+        };
         html += &format!(
-            "<table class=\"list narrow\">\n<tbody>\n<tr><th scope=\"row\">After {} samples the picture said of itself</th>\
-             <td class=\"n\">E = {}</td></tr>\n<tr><th scope=\"row\">so that {} would take</th><td class=\"n\"><b>{} samples</b>\
-             <span class=\"what\">{} to {}</span></td></tr>\n<tr class=\"main\"><th scope=\"row\">It took</th><td class=\"n\"><b>{} \
-             samples</b></td></tr>\n</tbody></table>\n",
+            "<table class=\"list narrow\">\n<tbody>\n<tr><th scope=\"row\">After {} samples{of} <code>epsilux quote</code> says that \
+             an error of {} takes</th><td class=\"n\">{said}</td></tr>\n<tr class=\"main\"><th scope=\"row\">It took</th>\
+             <td class=\"n\"><b>{} samples</b></td></tr>\n</tbody></table>\n",
             p.after,
-            Text(&percent(p.stated.value)),
             Text(&percent(p.error)),
-            thousands(p.samples.value),
-            thousands(p.samples.low),
-            thousands(p.samples.high),
             thousands(f64::from(p.came)),
         );
     }

@@ -20,7 +20,7 @@ pub(super) fn style(pictures: &Pictures) -> String {
     }
 }
 
-/// All pairs, folded but for the first.
+/// All pairs, folded but for the first of each kind.
 pub(super) fn all(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -> String {
     let Some(full) = pictures.switches.first() else { return String::new() };
     let size = pictures.size.map(|v| v as usize);
@@ -28,6 +28,7 @@ pub(super) fn all(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -
         .points
         .last()
         .map_or(0.0, |p| p.error.value * (f64::from(p.spp) / f64::from(full.spp.max(1))).sqrt());
+    let first = |kind| report.switches.iter().position(|m| m.kind == kind);
     let mut html = String::new();
     let pairs = report.switches.iter().zip(&pictures.switches).enumerate().skip(1);
     for (i, (way, shots)) in pairs {
@@ -57,7 +58,7 @@ pub(super) fn all(report: &CostReport, pictures: &Pictures, words: &Words<'_>) -
             ),
         };
         let open =
-            if i == 1 || (i == 2 && report.switches[1].kind == Kind::Algorithm) { " open" } else { "" };
+            if Some(i) == first(Kind::Algorithm) || Some(i) == first(Kind::Shortcut) { " open" } else { "" };
         html += &format!(
             "<details class=\"pairs\"{open}>\n<summary><b>{}</b> <span class=\"what\">{}</span></summary>\n\
              <div class=\"two\">\n{time}{equal}</div>\n</details>\n",

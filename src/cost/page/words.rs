@@ -1,10 +1,10 @@
 //! The sentences of the page.
 
 use super::of_kind;
-use crate::cost::fit::Interval;
 use crate::cost::report::{CostReport, MAIN, Measured, Price, Until};
 use crate::cost::switches::Kind;
 use crate::page::text::{Text, change, count, percent};
+use crate::stats::Interval;
 
 /// Whatever needs the report as a whole to be said.
 pub(super) struct Words<'a> {
@@ -63,18 +63,25 @@ impl<'a> Words<'a> {
             self.range(price.seconds),
             continued(full, price),
         );
-        std::iter::once(first).chain(self.estimators()).chain(self.dearest()).collect()
+        std::iter::once(first).chain(self.dearest()).chain(self.estimator()).collect()
     }
 
-    /// What other estimators come to.
-    fn estimators(&self) -> Vec<String> {
-        let says = |m: &Measured| {
-            let factor = m.efficiency?;
-            let (factor, word) = if factor >= 1.0 { (factor, "cheaper") } else { (1.0 / factor, "dearer") };
-            let takes = self.time(m.price(MAIN)?.seconds.value);
-            Some(format!("With *{}* it takes {takes}: noise is {} times {word}.", m.name, round(factor)))
-        };
-        of_kind(self.report, Kind::Algorithm).filter_map(|(_, m)| says(m)).collect()
+    /// The other estimator that matters most: the cheapest where one is surely cheaper, else the dearest that surely is.
+    fn estimator(&self) -> Option<String> {
+        let full = self.main()?.seconds;
+        let ways =
+            of_kind(self.report, Kind::Algorithm).filter_map(|(_, m)| Some((m.price(MAIN)?.seconds, m)));
+        let mut sure: Vec<_> = ways.filter(|(s, _)| s.high < full.low || s.low > full.high).collect();
+        sure.sort_by(|a, b| a.0.value.total_cmp(&b.0.value));
+        let (seconds, m) = sure.first().filter(|(s, _)| s.high < full.low).or(sure.last())?;
+        let ratio = seconds.value / full.value;
+        let (factor, word) = if ratio <= 1.0 { (1.0 / ratio, "cheaper") } else { (ratio, "dearer") };
+        Some(format!(
+            "With *{}* it takes {}: {} times {word}.",
+            m.name,
+            self.time(seconds.value),
+            round(factor)
+        ))
     }
 
     /// What the dearest effect costs, and what the picture is without it.
@@ -218,9 +225,12 @@ pub(super) fn round(factor: f64) -> String {
 
 /// How bright a picture is beside the full one: `2.8 % darker`.
 pub(super) fn brightness(m: &Measured) -> String {
-    let proved = m.change.low > 0.0 || m.change.high < 0.0;
     let word = if m.change.value < 0.0 { "darker" } else { "brighter" };
-    if proved { format!("{} {word}", percent(m.change.value.abs())) } else { "as bright".into() }
+    if m.change.may_be_zero() {
+        "as bright".into()
+    } else {
+        format!("{} {word}", percent(m.change.value.abs()))
+    }
 }
 
 /// What a shortcut does to the picture.

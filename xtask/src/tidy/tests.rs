@@ -190,16 +190,20 @@ fn references_need_a_reason() {
     assert_eq!(findings(&[reference, reason]), [""; 0]);
 }
 
-/// A scene that changes makes the table of costs stale.
+/// A scene that changes makes the table of costs stale, and a scene without a row has no costs.
 #[test]
 fn the_table_of_costs_is_that_of_the_scenes() {
     let scene = "#:schema x.json\n#\n# A room.\nepsilux = 1";
-    let made_from = format!("# x\n<!-- cost: all; room.toml {} -->\n", content_hash(scene));
-    check_file("README.md", &made_from, &[]);
+    let table = |hash: &str, row: &str| {
+        format!("# x\n<!-- cost: all; room.toml {hash} -->\n\n{row}\n<!-- /cost -->\n| room | elsewhere |\n")
+    };
+    let (hash, row) = (content_hash(scene), "| room | 1200 |");
+    check_file("README.md", &table(&hash, row), &[]);
     let found =
         ["README.md:2: costs of another version of room.toml; `cargo xtask cost` measures them again"];
-    check_file("README.md", "# x\n<!-- cost: all; room.toml 0123456789abcdef -->\n", &found);
-    check_file("README.md", "<!-- cost: not yet -->\n", &[]);
+    check_file("README.md", &table("0123456789abcdef", row), &found);
+    let found = ["README.md:2: no costs of room.toml; `cargo xtask cost` measures them"];
+    check_file("README.md", &table(&hash, "| hall | 1200 |"), &found);
     let found = ["README.md:0: no table of costs, expected the one that `cargo xtask cost` writes"];
     check_file("README.md", "# x\n", &found);
 }
