@@ -7,9 +7,10 @@ use epsilux::glam::DVec3;
 use epsilux::integrate::{Quiet, RenderOptions, render};
 use epsilux::math::mix64;
 use epsilux::prepare::{Algorithms, CausticsMode, Effect, Omission, Options, Shortcut, Shortcuts, prepare};
-use epsilux::price::{Better, Budget, Estimate, Price, price};
+use epsilux::price::{Better, Budget, Price, price};
 use epsilux::scene::text::parse_toml;
 use epsilux::scene::{FovAxis, MaterialKind, Projection, Scene};
+use epsilux::stats::Interval;
 use epsilux::stats::Moments;
 
 use crate::agree::enlarge;
@@ -47,12 +48,12 @@ fn prices(scene: &Scene, options: &Options, shortcuts: &[Shortcut], passes: u32)
     list.into_iter().map(|p| p.price.unwrap_or_else(|e| panic!("{:?}: {e}", p.shortcuts))).collect()
 }
 
-fn standard_error(e: Estimate) -> f64 {
-    0.5 * (e.interval[1] - e.interval[0]) / T
+fn standard_error(e: Interval) -> f64 {
+    0.5 * (e.high - e.low) / T
 }
 
 #[track_caller]
-fn near(what: &str, found: Estimate, expected: f64, error: f64, sees: f64) {
+fn near(what: &str, found: Interval, expected: f64, error: f64, sees: f64) {
     let sigma = libm::hypot(standard_error(found), error);
     assert!(
         (found.value - expected).abs() <= FAR * sigma + 1e-6,
@@ -100,7 +101,7 @@ fn without_caustics_lacks_their_layer() {
     for (layer, bias) in &path.layers {
         assert!((bias.value != 0.0) == (*layer == LightLayer::Caustic), "{layer:?}: {bias:?}");
     }
-    assert!(path.error.interval[0] > 0.0 && path.variance < 1.0, "{path:?}");
+    assert!(path.error.low > 0.0 && path.variance < 1.0, "{path:?}");
     assert!(matches!(path.better, Better::Until(_)), "{:?}", path.better);
     let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased: false, ..Algorithms::PATHS };
     let photon = prices(&scene, &Options { algorithms, ..base }, &[CAUSTICS], 16).remove(0);
@@ -214,7 +215,7 @@ fn a_clamp_spares_what_one_event_brings() {
     let direct = prices(&scene, &base, &[Shortcut::Clamp(1e-6)], 8).remove(0);
     assert_eq!((direct.bias.value, direct.variance), (0.0, 1.0), "nothing but direct light");
     let room = prices(&hexroom(), &base, &[Shortcut::Clamp(0.1), Shortcut::MaxDepth(1)], 8);
-    assert!(room[0].bias.interval[1] < -0.005 && room[0].variance < 1.0, "{:?}", room[0]);
+    assert!(room[0].bias.high < -0.005 && room[0].variance < 1.0, "{:?}", room[0]);
     for ((layer, clamped), (_, capped)) in room[0].layers.iter().zip(&room[1].layers) {
         assert!(clamped.value >= capped.value - 1e-9, "{layer:?} lost more than all of its light");
     }
