@@ -76,7 +76,7 @@ const REFERENCES: u32 = 4;
 const SHARES: [f64; 4] = [0.28, 0.5, 0.16, 0.04];
 /// Work of the reference over that of a run, where samples are asked for, and of a way's pictures.
 const REFERENCE_OVER_RUN: u32 = 32;
-const PICTURES_OVER_RUN: f64 = 12.0;
+const PICTURES_OVER_RUN: f64 = 6.0;
 /// Fewest and most samples of a run.
 const FEWEST: u32 = 8;
 const MOST: u32 = 1 << 16;

@@ -128,13 +128,14 @@ fn unit(place: &str) -> &'static str {
     let ends = ["value", "low", "high"];
     let key = place.rsplit(['.', '[', ']']).find(|name| !name.is_empty() && !ends.contains(name));
     match key.unwrap_or_default() {
+        _ if place.starts_with(".layers") => "share",
         "size" | "measured" => "pixels",
         "spp" | "reference_spp" | "samples" | "after" | "came" | "over" => "samples a pixel",
         "seconds" | "seconds_per_pass" | "seconds_quartiles" => "processor seconds",
         "rays_per_sample" => "rays",
         "error" | "reference_error" | "last" | "noise" | "floor" => "relative error",
         "bias_squared" => "square of a relative error",
-        "light" | "rays" | "change" | "difference" => "share",
+        "change" | "difference" => "share",
         _ => "number",
     }
 }

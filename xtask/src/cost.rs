@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 32)]
     spp: u32,
     /// Width of the pictures that are measured
-    #[arg(long, value_name = "N", default_value_t = 64)]
+    #[arg(long, value_name = "N", default_value_t = 48)]
     width: u32,
     /// The program to measure with [default: target/release/epsilux, which is built first]
     #[arg(long, value_name = "FILE")]
@@ -31,6 +31,8 @@ pub(crate) struct Arguments {
 
 /// The marks around the table.
 pub(crate) const BEGIN: &str = "<!-- cost:";
+/// What stands in the first one where nothing has been measured.
+pub(crate) const NOT_YET: &str = "<!-- cost: not yet -->";
 pub(crate) const END: &str = "<!-- /cost -->";
 /// The error whose price the table tells.
 const ERROR: f64 = 0.01;
