@@ -156,6 +156,7 @@ pub(super) fn run(args: &CostArgs, arguments: &[OsString], console: &Console) ->
             transparent: false,
             algorithms: args.algorithms.meant(),
         },
+        unbiased: args.algorithms.meant().unbiased,
         measured: measured_size(size, args.width),
         seeds: args.seeds,
         effort: args.spp.map_or(Effort::Time(args.budget), Effort::Samples),

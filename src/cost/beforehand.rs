@@ -33,8 +33,8 @@ pub(super) fn prediction(
     let pilot = work.pilot(full, rays as u64)?;
     let error = last.error.value;
     let quote = pilot.quote(error);
-    // Where the error was not clear a pilot goes on, and may have gone too far.
-    if quote.is_some() && pilot.passes * LEAST_AHEAD > last.spp {
+    // Where the error was not clear a pilot goes on, and may have gone too far to be a pilot.
+    if pilot.passes * LEAST_AHEAD > last.spp {
         return Ok(None);
     }
     let samples = quote.map(|q| {

@@ -20,6 +20,9 @@ pub struct CostOptions {
     pub name: String,
     /// As the picture is rendered whose price is told.
     pub prepare: Options,
+    /// Whether photon maps are forbidden. Where light tracing was chosen, and not asked for, they are not: it is
+    /// measured beside them.
+    pub unbiased: bool,
     /// Width and height of the pictures that are measured, pixels: noise of a pixel hardly depends on how many there
     /// are, and time is in proportion to them.
     pub measured: [u32; 2],
@@ -110,8 +113,8 @@ pub fn measure(
     let small = Options { size: options.measured, ..options.prepare.clone() };
     let mut work =
         Work { observer, threads: options.threads, total: f64::INFINITY, done: 0.0, doing: String::new() };
-    let (ways, mut prepared) = ready(scene, &small, &mut work)?;
-    let mut long = reference(scene, &small)?;
+    let (ways, mut prepared) = ready(scene, &small, options.unbiased, &mut work)?;
+    let mut long = reference(scene, &small, options.unbiased)?;
     let schedule = schedule(options, &mut prepared, &mut long, &mut work)?;
 
     let base = options.prepare.seed;
@@ -184,6 +187,7 @@ const ROUNDING: f64 = 1e-5;
 fn ready(
     scene: &Scene,
     options: &Options,
+    unbiased: bool,
     work: &mut Work<'_>,
 ) -> Result<(Vec<Switch>, Vec<Prepared>), RunError> {
     work.doing = "what there is to switch".to_owned();
@@ -191,7 +195,7 @@ fn ready(
         Ok(luminance(&work.film(prepared, FIRST, false, 0.0)?.film.to_image()))
     };
     let (mut ways, mut ready, mut full) = (Vec::new(), Vec::new(), None);
-    for way in switches(scene, options)? {
+    for way in switches(scene, options, unbiased)? {
         let prepared = way.prepare(scene, options)?;
         let shows = match way.kind {
             Kind::Full => {

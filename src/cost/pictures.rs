@@ -126,7 +126,8 @@ pub(super) fn render(
         pictures.switches.push(SwitchPictures { equal_time, spp, seconds: took, equal_error });
     }
     let passes = (2.0 * each / (units[0] * larger)) as u32;
-    let layers = parts(scene, &ways[0], &at_size, units[0] * larger, passes, &mut pictures, work)?;
+    let layers =
+        parts(scene, &ways[0], (&at_size, options.unbiased), units[0] * larger, passes, &mut pictures, work)?;
     Ok((pictures, layers))
 }
 
@@ -166,7 +167,7 @@ fn tone(scene: &Scene) -> Tone {
 fn parts(
     scene: &Scene,
     full: &Switch,
-    options: &Options,
+    (options, unbiased): (&Options, bool),
     unit: f64,
     passes: u32,
     pictures: &mut Pictures,
@@ -179,7 +180,7 @@ fn parts(
     let own = work.film(&prepared, PASSES, true, unit)?;
     let of_full = own.film.layer_shares();
     let rays: u64 = own.counters.layer_rays.iter().sum();
-    let clean = reference(scene, options)?;
+    let clean = reference(scene, options, unbiased)?;
     let passes = passes.clamp(PASSES, 4096);
     let image = work.film(&clean, passes, true, unit)?.film.to_image();
     let whole = picture::total(&image.rgb);

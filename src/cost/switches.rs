@@ -120,14 +120,15 @@ fn describe(shortcut: &Shortcut, plan: &Plan) -> (String, String) {
     }
 }
 
-/// Everything that can be switched in a scene; the first one is that nothing is.
+/// Everything that can be switched in a scene; the first one is that nothing is. Photon maps are no way where they are
+/// forbidden, as `unbiased` says.
 ///
 /// # Errors
 /// The scene has no camera, or the options are refused.
-pub fn switches(scene: &Scene, options: &Options) -> Result<Vec<Switch>, PrepareError> {
+pub fn switches(scene: &Scene, options: &Options, unbiased: bool) -> Result<Vec<Switch>, PrepareError> {
     let by_itself = prepare::plan(scene, options)?;
     let mut all = vec![Switch::full()];
-    all.extend(estimators(scene, options, &by_itself)?);
+    all.extend(estimators(scene, options, unbiased, &by_itself)?);
     let lower = |depth: u32| options.max_depth.is_none_or(|most| depth < most);
     let shows = |s: &Shortcut| match s {
         Shortcut::Without(Omission::Effect(effect)) => !NEEDED.contains(effect),
@@ -147,16 +148,24 @@ const ROULETTE_STARTS: [u32; 2] = [2, 8];
 
 /// Estimators that the program would not choose by itself, as far as the plan tells them apart; of these, whoever
 /// measures leaves out those that have nothing to do in the scene.
-fn estimators(scene: &Scene, options: &Options, by_itself: &Plan) -> Result<Vec<Switch>, PrepareError> {
+fn estimators(
+    scene: &Scene,
+    options: &Options,
+    unbiased: bool,
+    by_itself: &Plan,
+) -> Result<Vec<Switch>, PrepareError> {
+    // Light tracing asks for no map; what it is compared with may.
     let (asked, chosen) = (options.algorithms, by_itself.algorithms());
+    let mapped = Algorithms { unbiased, ..asked };
     let other = |now: u32| if now == 1 { SEVERAL } else { 1 };
     let (samples, ways) = (other(by_itself.light_samples), other(by_itself.split));
     let caustics = |name: &str, word: &str, caustics| {
-        let algorithms = Algorithms { caustics, ..asked };
+        let algorithms = Algorithms { caustics, ..mapped };
         (format!("caustics by {name}"), format!("caustics={word}"), None, algorithms)
     };
     let indirect = |name: &str, word: &str, what: &str, indirect| {
-        let algorithms = Algorithms { indirect, ..asked };
+        // A map for indirect light comes with one for caustics.
+        let algorithms = Algorithms { indirect, ..if indirect == Indirect::Photon { mapped } else { asked } };
         (format!("indirect light by {name}"), format!("indirect={word}"), Some(what.to_owned()), algorithms)
     };
     let mut tried = vec![
@@ -202,8 +211,8 @@ fn estimators(scene: &Scene, options: &Options, by_itself: &Plan) -> Result<Vec<
 ///
 /// # Errors
 /// As [`prepare::prepare`].
-pub(super) fn reference(scene: &Scene, options: &Options) -> Result<Prepared, PrepareError> {
-    let algorithms = Algorithms { caustics: CausticsMode::Photon, ..options.algorithms };
+pub(super) fn reference(scene: &Scene, options: &Options, unbiased: bool) -> Result<Prepared, PrepareError> {
+    let algorithms = Algorithms { caustics: CausticsMode::Photon, unbiased, ..options.algorithms };
     prepare::prepare(scene, &Options { algorithms, ..options.clone() })
 }
 
