@@ -29,7 +29,7 @@ fn renders_stop_where_they_were_quoted_to() {
     let mut held = 0;
     for (name, text, error, rays) in [
         ("cornell", CORNELL, 0.04, 1_100_000),
-        ("penumbra", PENUMBRA, 0.018, 500_000),
+        ("penumbra", PENUMBRA, 0.015, 500_000),
         ("sheen", SHEEN, 0.024, 600_000),
     ] {
         let (mut logs, mut runs) = (0.0, Vec::new());
