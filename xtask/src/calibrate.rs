@@ -22,8 +22,8 @@ use table::Run;
 
 /// Side of the pictures, pixels.
 const SIZE: &str = "64x64";
-/// Rays of a pilot where runs are quoted: about fifty samples of each pixel.
-const PILOT: &str = "1500000";
+/// Rays of a pilot where runs are quoted: some hundreds of samples of each pixel.
+const PILOT: &str = "10000000";
 /// Cases of the quick mode, on neither of which anything was tuned: both need few samples, and their references too.
 const QUICK: [&str; 2] = ["edges", "sphere-penumbra"];
 
@@ -46,7 +46,7 @@ pub(crate) struct Arguments {
     /// Forget former results, and render references anew
     #[arg(long)]
     fresh: bool,
-    /// Quote each run before it, too, from a pilot of about a tenth of it, and say how far quotes were off
+    /// Quote each run before it, too, and say how far quotes were off
     #[arg(long)]
     quotes: bool,
     /// Run this program instead of the one of this checkout

@@ -31,8 +31,6 @@ pub(crate) struct Arguments {
 
 /// The marks around the table.
 pub(crate) const BEGIN: &str = "<!-- cost:";
-/// What stands in the first one where nothing has been measured.
-pub(crate) const NOT_YET: &str = "<!-- cost: not yet -->";
 pub(crate) const END: &str = "<!-- /cost -->";
 /// The error whose price the table tells.
 const ERROR: f64 = 0.01;
