@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     for case in cases {
         let mut runs = Vec::new();
         for i in 0..arguments.seeds {
-            let key = format!("{}/{i}/{}", case.name, bench.version);
+            let key = format!("{}/{i}/{}/{}", case.name, case.reference, bench.version);
             let found = match known.remove(&key) {
                 Some(found) => found,
                 None => bench.measure(case, i, &key)?,
