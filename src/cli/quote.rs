@@ -27,8 +27,8 @@ use crate::scene::{Camera, Scene};
 const ERRORS: [f64; 5] = [0.10, 0.05, 0.02, 0.01, 0.005];
 /// The error that advice is about where none is asked for.
 const ADVISED: f64 = 0.01;
-/// Share of the rays of a pilot that each alternative may take.
-const OF_ALTERNATIVE: u64 = 2;
+/// Rays of the pilot over those that each alternative may take.
+const OVER_ALTERNATIVE: u64 = 2;
 
 /// Say what a render will cost before it is made: samples and seconds for an error, and where they go
 ///
@@ -154,7 +154,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
         let prepared = prepare(&loaded.scene, camera, args, Some(other))?;
         // The plan has no photons where nothing throws light.
         if !matches!(other, Other::Photons) || prepared.plan.caustics != Caustics::Path {
-            let quote = look(&prepared, args.rays / OF_ALTERNATIVE)?.quote(advised);
+            let quote = look(&prepared, args.rays / OVER_ALTERNATIVE)?.quote(advised);
             alternatives.push(Alternative { other, quote });
         }
     }

@@ -33,27 +33,33 @@ fn quotes_repeat() {
     assert!(!one["alternatives"].as_array().expect("a list").iter().any(photons), "nothing throws light");
 }
 
-/// Guards advice: where paths hardly find a caustic, photons are tried, and so is the picture without it; where a flag
-/// asks for either, it is not tried.
+/// Guards advice: where paths hardly find a caustic, photons are tried; where a part that is not most of the light has
+/// the most noise, the picture without it; and neither where a flag asks for it. Lines say so.
 #[test]
 fn what_else_there_is_is_tried() {
     let folder = Folder::new();
     let caustic = scene("caustic.toml");
-    let line = format!("quote {} --size 32x32 --rays 200000 --error 20% --json", caustic.display());
-    let flags = |more: &str| -> (Vec<String>, Value) {
-        let said: Value = serde_json::from_str(&folder.done(&format!("{line}{more}")).out).expect("JSON");
+    let line = format!("quote {} --size 32x32 --rays 200000 --error 20%", caustic.display());
+    let said = folder.done(&line).out;
+    assert!(said.lines().any(|l| l.starts_with("caustic: ") && l.ends_with("; found by paths")), "{said}");
+    assert!(said.lines().any(|l| l.contains("--algorithm caustics=photon would take")), "{said}");
+    let flags = |line: &str, more: &str| -> (Vec<String>, Value) {
+        let said = folder.done(&format!("{line} --json {more}")).out;
+        let said: Value = serde_json::from_str(&said).expect("JSON");
         let list = said["alternatives"].as_array().expect("a list").clone();
         let flag = |a: &Value| a["flag"].as_str().expect("a flag").to_owned();
         (list.iter().map(flag).collect(), said)
     };
-    let (tried, said) = flags("");
+    let (tried, said) = flags(&line, "");
     assert!(tried.contains(&"--algorithm caustics=photon".to_owned()), "{said}");
-    assert!(!flags(" --algorithm caustics=photon").0.contains(&tried[0]));
-    let (tried, said) = flags(" --without caustics");
+    assert!(!flags(&line, "--algorithm caustics=photon").0.contains(&tried[0]));
+    let (tried, said) = flags(&line, "--without caustics");
     assert!(tried.iter().all(|t| t != "--without caustics"), "{said}");
     let cornell = scene("cornell.toml");
-    let said =
-        folder.done(&format!("quote {} --size 128x128 --rays 3000000 --error 8%", cornell.display())).out;
+    let line = format!("quote {} --size 128x128 --rays 3000000 --error 8%", cornell.display());
+    assert_eq!(flags(&line, "").0, ["--without indirect"]);
+    assert_eq!(flags(&line, "--without indirect").0, [""; 0]);
+    let said = folder.done(&line).out;
     let lines: Vec<&str> = said.lines().collect();
     assert!(lines.iter().any(|l| l.starts_with("indirect: 2") && l.ends_with(" % of the noise")), "{said}");
     let (_, end) =

@@ -10,8 +10,7 @@ use epsilux::prepare::{Algorithms, CausticsMode, Effect, Omission, Options, Shor
 use epsilux::price::{Better, Budget, Price, price};
 use epsilux::scene::text::parse_toml;
 use epsilux::scene::{FovAxis, MaterialKind, Projection, Scene};
-use epsilux::stats::Interval;
-use epsilux::stats::Moments;
+use epsilux::stats::{Interval, Moments};
 
 use crate::agree::enlarge;
 use crate::support::fast::{options, valid};
@@ -49,7 +48,7 @@ fn prices(scene: &Scene, options: &Options, shortcuts: &[Shortcut], passes: u32)
 }
 
 fn standard_error(e: Interval) -> f64 {
-    0.5 * (e.high - e.low) / T
+    e.within() / T
 }
 
 #[track_caller]

@@ -22,7 +22,7 @@ fn pilot_of(scene: &Prepared, rays: u64) -> Pilot {
     pilot(scene, &RenderOptions { threads: 1, ..RenderOptions::passes(0..1) }, rays, &Quiet).expect("a pilot")
 }
 
-/// Guards quotes against the samples at which renders then stop, from pilots of a half to a third of them: a mean within
+/// Guards quotes against the samples at which renders then stop, from pilots of two thirds of them at most: a mean within
 /// 15 %, and the stated interval, which is to hold 95 %, holds 15 of 18 (fewer have a chance of 2 in 1000).
 #[test]
 fn renders_stop_where_they_were_quoted_to() {

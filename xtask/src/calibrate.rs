@@ -22,8 +22,6 @@ use table::Run;
 
 /// Side of the pictures, pixels.
 const SIZE: &str = "64x64";
-/// Rays of a pilot where runs are quoted: some hundreds of samples of each pixel.
-const PILOT: &str = "10000000";
 /// Cases of the quick mode, on neither of which anything was tuned: both need few samples, and their references too.
 const QUICK: [&str; 2] = ["edges", "sphere-penumbra"];
 
@@ -191,7 +189,7 @@ impl<'a> Bench<'a> {
     fn quote(&self, case: &Case, i: u32, key: &str) -> Result<Value, String> {
         let mut quote = Command::new(&self.program);
         quote.arg("quote").arg(self.root.join(case.scene)).args(case.flags).args(["--size", SIZE, "--json"]);
-        quote.args(["--rays", PILOT, "--error", &format!("{}%", 100.0 * case.target)]);
+        quote.args(["--error", &format!("{}%", 100.0 * case.target)]);
         quote.args(["--seed", &seed(case, i).to_string()]).current_dir(self.root);
         let said = crate::golden::json(&mut quote)?;
         self.keep(json!({ "key": key, "quote": said["quotes"][0], "pilot": said["pilot"] }))
