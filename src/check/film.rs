@@ -72,7 +72,7 @@ fn film(width: u32, height: u32) -> Film {
 }
 
 fn sample(v: f32) -> Sample {
-    Sample { radiance: Rgb::grey(v), features: None, layers: None }
+    Sample { radiance: Rgb::grey(v), ..Sample::default() }
 }
 
 fn means(effort: Effort) -> Vec<Figure> {
@@ -155,7 +155,7 @@ fn refusals(effort: Effort) -> Vec<Figure> {
             let k = injected % bad.len();
             injected += 1;
             // One channel is enough.
-            let sample = Sample { radiance: Rgb::new(good, bad[k], good), features: None, layers: None };
+            let sample = Sample { radiance: Rgb::new(good, bad[k], good), ..Sample::default() };
             wrong += u64::from(spoilt.add(pixel, pass, &sample) != Err(reasons[k]));
             counted[reasons[k] as usize] += 1;
         } else {

@@ -8,14 +8,14 @@ use crate::film::Doubt;
 /// A doubt for programs.
 #[derive(Clone, Serialize)]
 pub(super) struct DoubtJson {
-    /// Its kind: `too-noisy`, `few-pixels`, `light-not-found`.
+    /// Its kind: `too-noisy`, `few-pixels`, `light-not-found`, `light-not-reached`.
     kind: &'static str,
     /// A line for people.
     what: String,
     /// Left, top, right and bottom of where light was not found, half open, pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pixels: Option<[u32; 4]>,
-    /// How much is missing at least, over what the picture shows there.
+    /// How much is missing at least, over what the picture shows there; at most, where it was not reached.
     #[serde(skip_serializing_if = "Option::is_none")]
     share: Option<f64>,
     /// From which light.
@@ -42,6 +42,12 @@ impl DoubtJson {
                 caustic: Some(caustic),
                 ..none
             },
+            Doubt::LightNotReached { share, light } => Self {
+                kind: "light-not-reached",
+                share: Some(share),
+                light: name(Some(light), lights).map(str::to_owned),
+                ..none
+            },
         }
     }
 }
@@ -61,6 +67,14 @@ pub(super) fn words(doubt: &Doubt, lights: &[String]) -> String {
             } else {
                 format!("photons{from} bring light{way} {place}, where paths found none")
             }
+        }
+        Doubt::LightNotReached { share, light } => {
+            let from = name(Some(light), lights).map_or(String::new(), |name| format!(" from {name}"));
+            let most = match share {
+                s if s < 3.0 => format!("{} of", show_share(s)),
+                s => format!("{s:.0} times"),
+            };
+            format!("nothing{from} arrived, of which so few samples may miss up to {most} what is shown")
         }
     }
 }

@@ -56,12 +56,22 @@ pub(super) struct Report<'a> {
 pub(super) struct ErrorJson {
     error: f64,
     interval: [f64; 2],
+    /// What of it is bias of photon maps, where there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    map_bias: Option<MapBiasJson>,
     trusted: bool,
     /// How many pixels carry it.
     pixels: f64,
     tail: Option<TailJson>,
     /// Why it cannot be trusted.
     doubt: Option<DoubtJson>,
+}
+
+/// Bias of photon maps, as an error, and its 95 % interval.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct MapBiasJson {
+    error: f64,
+    interval: [f64; 2],
 }
 
 /// Few samples that carry much of the light: shares of both.
@@ -77,6 +87,7 @@ impl ErrorJson {
         Self {
             error: e.error,
             interval: e.interval,
+            map_bias: e.map_bias.map(|b| MapBiasJson { error: b.error, interval: b.interval }),
             trusted: e.trusted,
             pixels: e.effective_pixels,
             tail: e.tail.map(|t| TailJson { samples: t.samples, light: t.light }),

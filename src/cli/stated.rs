@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::doubt::words;
 use super::units::{show_passes, show_share};
-use crate::film::{Doubt, ErrorEstimate, Film};
+use crate::film::{Doubt, ErrorEstimate, Film, MapBias};
 use crate::integrate::Outcome;
 use crate::part::Identity;
 
@@ -47,6 +47,9 @@ impl Stated {
         if let Some(e) = self.error {
             add("error", format!("{:.3e}", e.error));
             add("error_interval", format!("{:.3e}..{:.3e}", e.interval[0], e.interval[1]));
+            if let Some(MapBias { error, interval: [low, high] }) = e.map_bias {
+                add("error_map_bias", format!("{error:.3e}, {low:.3e}..{high:.3e}"));
+            }
             add("error_trusted", e.trusted.to_string());
             if let Some(doubt) = &e.doubt {
                 add("error_doubt", words(doubt, &self.lights));
@@ -81,9 +84,13 @@ pub(super) fn error_line(found: &ErrorEstimate, lights: &[String]) -> String {
         format!("error {}", show_share(found.error))
     };
     match (&found.doubt, tail) {
-        (None, _) => format!("error {} ({low} to {high}, 95 % sure)", show_share(found.error)),
+        (None, _) => {
+            let bias = found.map_bias.map(|b| format!("; photon maps are off by {}", show_share(b.error)));
+            let bias = bias.unwrap_or_default();
+            format!("error {} ({low} to {high}, 95 % sure{bias})", show_share(found.error))
+        }
         // What is missing says more than that something may be.
-        (Some(doubt @ Doubt::LightNotFound { .. }), _) => {
+        (Some(doubt @ (Doubt::LightNotFound { .. } | Doubt::LightNotReached { .. })), _) => {
             format!("{error}, not trustworthy yet: {}", words(doubt, lights))
         }
         (_, Some(tail)) => format!("{error}, not trustworthy yet: {tail}"),

@@ -27,8 +27,16 @@ pub fn light_class(light: u8, caustic: bool) -> usize {
     2 * usize::from(light) + usize::from(caustic)
 }
 
-/// What is found by the paths of a tile in one pass, by class: sums of luminance over its pixels, W sr^-1 m^-2.
-pub type Found = [f64; LIGHT_CLASSES];
+/// What the paths of a tile found in one pass, and what was in their way: sums of luminance over its pixels,
+/// W sr^-1 m^-2.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Found {
+    /// Light by class.
+    pub by_class: [f64; LIGHT_CLASSES],
+    /// From each light that is told apart: what its samples would have brought that were blocked, had nothing been in
+    /// their way; and the sum of the squares.
+    pub blocked: [[f64; 2]; LIGHTS_APART],
+}
 
 /// A photon that the camera sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +61,8 @@ pub(super) struct CrossSums {
     /// What photons brought, by cell of every level from fine to coarse, and class: the sum over photons of what each
     /// adds to the mean of the picture, and of its square.
     pub(super) photons: Vec<[[i128; 2]; LIGHT_CLASSES]>,
+    /// From each light that is told apart, what was blocked, over the scale of the film, and the squares of it.
+    pub(super) blocked: [[i128; 2]; LIGHTS_APART],
     /// Photons that were traced.
     pub(super) traced: u64,
 }
@@ -116,6 +126,7 @@ impl CrossSums {
             tiles: vec![0; fine],
             paths: vec![[0; LIGHT_CLASSES]; fine],
             photons: vec![[[0; 2]; LIGHT_CLASSES]; all],
+            blocked: [[0; 2]; LIGHTS_APART],
             traced: 0,
         }
     }
@@ -123,11 +134,16 @@ impl CrossSums {
     /// Adds what the paths of a tile found; what is not finite is left out.
     pub(super) fn found(&mut self, tile: usize, found: &Found, format: FixedPoint) {
         self.tiles[tile] += 1;
-        for (sum, &v) in self.paths[tile].iter_mut().zip(found) {
+        for (sum, &v) in self.paths[tile].iter_mut().zip(&found.by_class) {
             let v = v as f32;
             if format.holds(v) {
                 *sum += format.encode(v);
             }
+        }
+        let scale = f64::from(format.scale());
+        for (sums, [sum, squares]) in self.blocked.iter_mut().zip(found.blocked) {
+            let added = blocked([sum / scale, squares / (scale * scale)]);
+            sums.iter_mut().zip(added).for_each(|(sum, v)| *sum = sum.saturating_add(v));
         }
     }
 
@@ -180,13 +196,38 @@ impl CrossSums {
         let (own, other_sums) = (self.photons.as_flattened_mut(), other.photons.as_flattened());
         let own = own.iter_mut().flatten().zip(other_sums.iter().flatten());
         own.for_each(|(sum, other)| *sum += other);
+        let own = self.blocked.iter_mut().flatten().zip(other.blocked.iter().flatten());
+        own.for_each(|(sum, other)| *sum = sum.saturating_add(*other));
         self.traced += other.traced;
+    }
+
+    /// Whether paths or photons found some light from the one of this number.
+    pub(super) fn reached(&self, light: usize) -> bool {
+        let of = [false, true].map(|caustic| light_class(light as u8, caustic));
+        of.iter().any(|&k| self.paths.iter().any(|p| p[k] != 0) || self.photons.iter().any(|p| p[k][0] != 0))
     }
 }
 
 /// The format of [`moments`]: what photons bring, over the scale of the film.
 pub(super) fn relative() -> FixedPoint {
     FixedPoint::around(1.0)
+}
+
+/// The formats of what was blocked over the scale of the film, and of its squares. The scale is that of the brightest
+/// light, from which little arrives that is as bright: squares need digits.
+pub(super) fn blocked_formats() -> [FixedPoint; 2] {
+    [FixedPoint::around(1.0), FixedPoint::around(1.0 / 1024.0)]
+}
+
+/// A sum and a sum of squares as integers. Where numbers are too large, they all count as so many times smaller.
+fn blocked([sum, squares]: [f64; 2]) -> [i128; 2] {
+    const LARGEST: f64 = 32_768.0; // 2^15: its square is held
+    if !(sum > 0.0 && sum < f64::INFINITY && squares < f64::INFINITY) {
+        return [0; 2];
+    }
+    let shrink = (LARGEST / sum).min(1.0);
+    let [one, two] = blocked_formats();
+    [one.encode((sum * shrink) as f32), two.encode((squares * shrink * shrink) as f32)]
 }
 
 /// A number and its square as integers. What is too large to be squared counts as the largest that is not, which makes

@@ -11,11 +11,17 @@
 //! the standard error as much (one photon alone never makes more than one standard error). The noise of paths is that
 //! of all their light in the cell, whatever class is compared.
 //!
+//! *Not reached.* Light behind a pinhole is found by neither. But paths know what their samples of a light would have
+//! brought, had nothing been in the way. Where all n of them were blocked, the share that is not blocked is below 3/n with
+//! 95 % (Hanley and Lippman-Hand, "If nothing goes wrong, is everything all right?", JAMA 249, 1983), and so the light is
+//! below 3/n of that; samples of different size count as (sum w)^2 / sum w^2. A lamp in the next room is no reason to
+//! doubt by that, a million times the light behind a wall is, until more samples are blocked.
+//!
 //! *Material.* The light that is missing is an error of its own; what would add to the estimate by less than a thirtieth
 //! is passed over.
 
-use super::cross::{Level, relative};
-use super::{ErrorEstimate, Film, LIGHT_CLASSES};
+use super::cross::{Level, blocked_formats, relative};
+use super::{ErrorEstimate, Film, LIGHT_CLASSES, LIGHTS_APART};
 use crate::stats::ERROR_FLOOR;
 
 /// Chance that sound paths are doubted, at most.
@@ -26,6 +32,9 @@ const MATERIAL: f64 = 0.25;
 
 /// Share of the squared error of finer cells that coarser ones show at least, where the same is missing all over.
 const COARSER: f64 = 0.9;
+
+/// Samples that may arrive, on average, where none did: with 95 %.
+const OF_NONE: f64 = 3.0;
 
 /// Standard errors that are taken from the difference, where it says how much is missing at least.
 const AT_LEAST: f64 = 2.0;
@@ -50,6 +59,13 @@ pub enum Doubt {
         light: Option<u8>,
         /// Whether it is a caustic.
         caustic: bool,
+    },
+    /// No sample of a light arrived, and no photon of it came into view, and there is so much of it that it may matter.
+    LightNotReached {
+        /// How much of it there may be, over what the picture shows.
+        share: f64,
+        /// Which of the lights that are told apart.
+        light: u8,
     },
 }
 
@@ -151,6 +167,25 @@ impl Film {
         all
     }
 
+    /// Light of which nothing arrived, beside the estimate of the picture's error.
+    pub(super) fn light_not_reached(&self, error: f64) -> Option<Doubt> {
+        let cross = self.cross.as_ref()?;
+        let samples: f64 = self.counts.iter().map(|&n| f64::from(n)).sum();
+        let [one, two] = blocked_formats();
+        let whole: f64 = self.shown().iter().map(|s| s.luminance).sum();
+        let mean = whole / (self.pixels() as f64 * f64::from(self.layout.radiance.scale()));
+        let share = |light: usize| {
+            let [sum, squares] = cross.blocked[light];
+            let (sum, squares) = (one.mean(sum, 1), two.mean(squares, 1));
+            (sum > 0.0).then(|| OF_NONE * squares / (sum * samples) / mean)
+        };
+        let blocked = (0..LIGHTS_APART).filter(|&l| !cross.reached(l));
+        let found = blocked.filter_map(|l| Some((share(l)?, l as u8))).max_by(|a, b| a.0.total_cmp(&b.0));
+        let (share, light) = found?;
+        let bearable = error.min(ErrorEstimate::NOISIEST);
+        (share > MATERIAL * bearable).then_some(Doubt::LightNotReached { share, light })
+    }
+
     /// Light that photons bring and paths did not find, beside the estimate of the picture's error.
     pub(super) fn light_not_found(&self, error: f64) -> Option<Doubt> {
         let cells = self.cross_cells();
@@ -205,7 +240,7 @@ impl Film {
 mod tests {
     use super::*;
     use crate::color::Rgb;
-    use crate::film::{FilmLayout, Glimpse, Sample, light_class};
+    use crate::film::{FilmLayout, Found, Glimpse, Sample, light_class};
     use crate::math::mix64;
 
     const SIDE: u32 = 32;
@@ -226,8 +261,8 @@ mod tests {
                     .expect("a radiance");
             }
             for tile in 0..4 {
-                let mut found = [0.0; LIGHT_CLASSES];
-                found[0] = 256.0;
+                let mut found = Found::default();
+                found.by_class[0] = 256.0;
                 film.found(tile, &found);
             }
         }
@@ -278,6 +313,35 @@ mod tests {
         // More of what paths did find.
         let found = doubt(&film(0.2, 40_000, 0, SIDE, 1.5));
         assert!(matches!(found, Some(Doubt::LightNotFound { caustic: false, .. })), "{found:?}");
+    }
+
+    /// Guards the bound of light that never arrived. By hand: of the 16 passes over 1024 pixels that are ones, each fourth
+    /// sample is blocked from a light that would bring 500; three more than none would bring 3 * 500 of 16384. And that one
+    /// that arrived, or one photon, ends the doubt, and that the share matters.
+    #[test]
+    fn light_that_never_arrives_has_a_bound() {
+        let with = |size: f64, found: Option<f64>| {
+            let mut film = film(0.2, 40, 0, SIDE, 0.0);
+            for _ in 0..16 * 4 {
+                let mut of = Found { blocked: [[0.0; 2]; LIGHTS_APART], ..Found::default() };
+                of.blocked[1] = [64.0 * size, 64.0 * size * size];
+                film.found(0, &of);
+            }
+            if let Some(light) = found {
+                let mut of = Found::default();
+                of.by_class[light_class(1, true)] = light;
+                film.found(0, &of);
+            }
+            doubt(&film)
+        };
+        match with(500.0, None) {
+            Some(Doubt::LightNotReached { share, light: 1 }) => {
+                assert!((share / (3.0 * 500.0 / 16384.0) - 1.0).abs() < 0.02, "{share}");
+            }
+            other => panic!("{other:?}"),
+        }
+        assert_eq!(with(500.0, Some(1e-3)), None);
+        assert_eq!(with(5.0, None), None);
     }
 
     /// Guards that little is passed over where noise is large, and only there.

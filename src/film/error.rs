@@ -21,13 +21,16 @@
 //! path lights one pixel. Where a photon lights several, the variance is that many times larger as [`Squares::together`]
 //! says.
 //!
+//! *Photon maps* have a bias, which no noise shows. What narrower disks would change does ([`MapBias`]); its square is
+//! added to that of the noise, and so are the squares of what both may be off by.
+//!
 //! *Where it ends.* Half of the replications has to say what R is. Above an E of a quarter it cannot: pixels that no
 //! sample of a half lit seem dark, and their error enormous. The estimate is then too large, never too small by
 //! that, and is not trusted. Below, what the second order leaves is granted to the interval.
 
 use super::doubt::Shown;
 use super::together::Blocks;
-use super::{Doubt, Film, Tail};
+use super::{Doubt, Film, MapBias, Tail};
 use crate::stats::{ERROR_FLOOR, NORMAL_95, luminance_of};
 
 /// What the squares of the pixels' estimates are taken times; between what normal noise and heavy tails ask for.
@@ -41,6 +44,8 @@ const LEFT: f64 = 1.5;
 pub struct ErrorEstimate {
     /// E, relative: 0.01 is one per cent.
     pub error: f64,
+    /// What of it is bias of photon maps, where there are any: E^2 is the square of that and the square of noise.
+    pub map_bias: Option<MapBias>,
     /// Lower and upper end of its 95 % interval.
     pub interval: [f64; 2],
     /// How many pixels carry the error, effectively: (sum t)^2 / sum t^2; fewer where their errors go together.
@@ -67,6 +72,8 @@ pub struct Squares {
     pub of_pixels: Vec<f32>,
     /// How many times the variance of their sum is that of independent pixels, [1, inf).
     pub together: f64,
+    /// What the bias of photon maps adds, where there are any.
+    pub map_bias: Option<MapBias>,
 }
 
 impl Squares {
@@ -84,10 +91,21 @@ impl Squares {
         let mean = (sum / n).max(0.0);
         let sampling = if sum > 0.0 { SPREAD * self.together * squares / (sum * sum) } else { 0.0 };
         let relative = (sampling + (LEFT * mean) * (LEFT * mean)).sqrt();
-        let error = mean.sqrt();
+        let noise = mean.sqrt();
         // Errors are positive, and their square spreads by a factor: hence the logarithm, halved by the root.
         let factor = libm::exp(0.5 * NORMAL_95 * relative);
         let effective_pixels = if squares > 0.0 { sum * sum / squares } else { n } / self.together;
+        let (mut error, mut interval) = (noise, [noise / factor, noise * factor]);
+        if let Some(bias) = self.map_bias {
+            let square = mean + bias.error * bias.error;
+            // How far an end of the square of the whole is from its middle.
+            let away = |end: usize| {
+                let of = |middle: f64, end: f64| end * end - middle * middle;
+                libm::hypot(of(noise, interval[end]), of(bias.error, bias.interval[end]))
+            };
+            interval = [(square - away(0)).max(0.0).sqrt(), (square + away(1)).sqrt()];
+            error = square.sqrt();
+        }
         let doubt = if error > ErrorEstimate::NOISIEST {
             Some(Doubt::TooNoisy)
         } else {
@@ -96,7 +114,8 @@ impl Squares {
         };
         ErrorEstimate {
             error,
-            interval: [error / factor, error * factor],
+            map_bias: self.map_bias,
+            interval,
             effective_pixels,
             trusted: doubt.is_none(),
             doubt,
@@ -118,7 +137,8 @@ impl Film {
     pub fn error_of(&self, squares: &Squares) -> ErrorEstimate {
         let mut found = squares.estimate();
         // What is missing says more than that something may be.
-        found.doubt = self.light_not_found(found.error).or(found.doubt);
+        let may_be = found.doubt.or_else(|| self.light_not_reached(found.error));
+        found.doubt = self.light_not_found(found.error).or(may_be);
         found.trusted = found.doubt.is_none();
         if !found.trusted {
             found.tail = self.tail();
@@ -182,7 +202,7 @@ impl Film {
                 blocks.add([pixel % width, pixel / width], &deviations);
             }
         }
-        Some(Squares { of_pixels, together: blocks.factor() })
+        Some(Squares { of_pixels, together: blocks.factor(), map_bias: self.map_bias(c) })
     }
 }
 

@@ -17,6 +17,7 @@ mod state;
 mod sums;
 mod tail;
 mod together;
+mod widening;
 
 pub use cross::{CELL, Found, Glimpse, LIGHT_CLASSES, LIGHTS_APART, light_class};
 pub use doubt::{CrossCell, Doubt, TwoWays};
@@ -28,3 +29,4 @@ pub use shares::LayerShare;
 pub use state::StateError;
 pub use sums::{Features, Film, FilmLayout, Refusal, Sample};
 pub use tail::Tail;
+pub use widening::MapBias;

@@ -97,7 +97,7 @@ mod tests {
                 layers[LightLayer::Direct as usize] = Rgb::grey(0.75 + 0.5 * unit());
                 layers[LightLayer::Indirect as usize] = Rgb::grey(0.5 + unit());
                 let radiance = layers.iter().fold(Rgb::BLACK, |a, &b| a + b);
-                let sample = Sample { radiance, layers: Some(layers), features: None };
+                let sample = Sample { radiance, layers: Some(layers), ..Sample::default() };
                 film.add(pixel, pass, &sample).expect("a radiance");
             }
         }

@@ -3,7 +3,7 @@
 //! In: a film. Out: its sums as integers of the fewest bytes that hold the largest, little-endian, after one
 //! byte that says how many; then counts and the like in integers of their own. What the bytes mean is in the layout, which whoever stores them keeps too.
 
-use super::cross::{LIGHT_CLASSES, Level};
+use super::cross::{LIGHT_CLASSES, LIGHTS_APART, Level};
 use super::sums::{FEATURES, Film, FilmLayout, LAYERS};
 use super::tail::Octaves;
 
@@ -41,7 +41,9 @@ impl Film {
         if let Some(cross) = &self.cross {
             sums.push(cross.paths.as_flattened());
             sums.push(cross.photons.as_flattened().as_flattened());
+            sums.push(cross.blocked.as_flattened());
         }
+        sums.extend(self.widening.as_deref());
         let width = sums.iter().flat_map(|s| s.iter()).fold(1, |w, &v| bytes_of(v).max(w));
         let mut bytes = vec![width as u8];
         for sum in sums.into_iter().flatten() {
@@ -77,7 +79,8 @@ impl Film {
         let layers = usize::from(layout.layers);
         let of_pixel = COUNT + features * (FEATURES * width + IDS) + layers * (3 * LAYERS * width + COUNT);
         let of_cross = if layout.cross { cross_bytes(&layout, width) } else { 0 };
-        let of_cell = (3 + usize::from(layout.layer_noise) * LAYERS) * width + COUNT;
+        let sums = 3 + usize::from(layout.layer_noise) * LAYERS + usize::from(layout.widening);
+        let of_cell = sums * width + COUNT;
         let rest = (Octaves::BYTES + REFUSED) as u128;
         let expected = 1 + cells * of_cell as u128 + pixels * of_pixel as u128 + of_cross + rest;
         if expected != bytes.len() as u128 {
@@ -99,7 +102,9 @@ impl Film {
         if let Some(cross) = &mut film.cross {
             cross.paths.as_flattened_mut().iter_mut().for_each(|s| *s = sum());
             cross.photons.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|s| *s = sum());
+            cross.blocked.as_flattened_mut().iter_mut().for_each(|s| *s = sum());
         }
+        film.widening.iter_mut().flatten().for_each(|s| *s = sum());
         let mut number = || u32::from_le_bytes(take(4).try_into().unwrap_or_default());
         film.counts.iter_mut().chain(&mut film.hits).for_each(|n| *n = number());
         film.features.iter_mut().flat_map(|f| &mut f.ids).for_each(|i| *i = (number(), [number(), number()]));
@@ -120,7 +125,8 @@ fn cross_bytes(layout: &FilmLayout, width: usize) -> u128 {
     let cells = |l: &Level| l.cells.map(u128::from).iter().product::<u128>();
     let (fine, all) = (levels.first().map_or(0, cells), levels.iter().map(cells).sum::<u128>());
     let sums = (fine + 2 * all) * (LIGHT_CLASSES * width) as u128;
-    sums + fine * COUNT as u128 + TRACED as u128
+    let blocked = (2 * LIGHTS_APART * width) as u128;
+    sums + blocked + fine * COUNT as u128 + TRACED as u128
 }
 
 /// Bytes that hold an integer with its sign.
@@ -141,7 +147,7 @@ fn signed(bytes: &[u8]) -> i128 {
 mod tests {
     use super::*;
     use crate::color::Rgb;
-    use crate::film::{Features, Glimpse, Sample};
+    use crate::film::{Features, Found, Glimpse, Sample};
 
     /// Guards integers at the ends of each length.
     #[test]
@@ -161,10 +167,12 @@ mod tests {
     #[test]
     fn films_come_back() {
         for [features, layers] in [[false, false], [true, false], [false, true], [true, true]] {
-            let (layer_noise, cross) = (features != layers, layers);
-            let layout = FilmLayout { features, layers, layer_noise, cross, ..FilmLayout::plain([3, 2]) };
+            let (layer_noise, cross, widening) = (features != layers, layers, features);
+            let layout =
+                FilmLayout { features, layers, layer_noise, cross, widening, ..FilmLayout::plain([3, 2]) };
             let mut film = Film::new(layout.clone());
-            film.found(0, &[0.0, 0.5, 1.0, 2.0, 0.0, 0.0, 0.0, 1e4]);
+            let blocked = [[2.0, 3.0], [0.0; 2], [1e30, 1e50], [1e-3, 1e-6]];
+            film.found(0, &Found { by_class: [0.0, 0.5, 1.0, 2.0, 0.0, 0.0, 0.0, 1e4], blocked });
             let glimpse = |photon, pixel| Glimpse { photon, pixel, class: 5, luminance: 3.0 };
             film.glimpses(7, &[glimpse(0, 2), glimpse(3, 0), glimpse(3, 5)]);
             for pass in 0..9 {
@@ -172,7 +180,8 @@ mod tests {
                     let radiance = Rgb::new(0.1, 1e4 * pixel as f32, 1e-9) * (1.0 + pass as f32);
                     let seen = Features { normal: [-0.3, 0.0, 0.9], object: 3, ..Features::default() };
                     let layers = Some([radiance * 0.2; LAYERS]);
-                    let sample = Sample { radiance, features: (pixel != 1).then_some(seen), layers };
+                    let features = (pixel != 1).then_some(seen);
+                    let sample = Sample { radiance, features, layers, widening: 0.5 - pixel as f32 };
                     film.add(pixel, pass, &sample).expect("a radiance");
                 }
                 let bad = Sample { radiance: Rgb::grey(f32::NAN), ..Sample::default() };

@@ -29,6 +29,8 @@ pub struct FilmLayout {
     pub transparent: bool,
     /// Whether photons say beside the paths how much light there is.
     pub cross: bool,
+    /// Whether to record how far photon maps may be off ([`Sample::widening`]).
+    pub widening: bool,
 }
 
 impl FilmLayout {
@@ -46,6 +48,7 @@ impl FilmLayout {
             layer_noise: false,
             transparent: false,
             cross: false,
+            widening: false,
         }
     }
 }
@@ -87,6 +90,9 @@ pub struct Sample {
     pub features: Option<Features>,
     /// The parts of the radiance, by number of their [`LightLayer`], where they were asked for.
     pub layers: Option<[Rgb; LAYERS]>,
+    /// Luminance that disks of twice the radius would bring from photon maps, less what they do; an estimate, zero for most
+    /// samples.
+    pub widening: f32,
 }
 
 /// Numbers of a surface's features.
@@ -122,6 +128,8 @@ pub struct Film {
     /// Luminance of the parts of the light, per cell, where their noise is asked for.
     pub(super) layer_cells: Option<Vec<[i128; LAYERS]>>,
     pub(super) cross: Option<CrossSums>,
+    /// Of [`Sample::widening`], per cell, where it is asked for.
+    pub(super) widening: Option<Vec<i128>>,
     /// Samples of the whole film by octave of luminance.
     pub(super) octaves: Octaves,
     pub(super) refused: [u64; 3],
@@ -146,6 +154,7 @@ impl Film {
                 .then(|| LayerSums { sums: vec![[[0; 3]; LAYERS]; pixels], brightest: vec![0.0; pixels] }),
             layer_cells: layout.layer_noise.then(|| vec![[0; LAYERS]; cells]),
             cross: layout.cross.then(|| CrossSums::new([layout.crop[2], layout.crop[3]])),
+            widening: layout.widening.then(|| vec![0; cells]),
             octaves: Octaves::new(),
             refused: [0; 3],
             layout,
@@ -193,6 +202,11 @@ impl Film {
             for (sum, part) in cells[cell].iter_mut().zip(sample.layers.unwrap_or_default()) {
                 *sum += format.encode(part.luminance());
             }
+        }
+        if let Some(cells) = &mut self.widening
+            && format.holds(sample.widening)
+        {
+            cells[cell] += format.encode(sample.widening);
         }
         let Some(f) = &sample.features else {
             return Ok(());
@@ -335,6 +349,9 @@ impl Film {
         if let (Some(own), Some(other)) = (&mut self.layer_cells, &other.layer_cells) {
             add(own, other);
         }
+        if let (Some(own), Some(other)) = (&mut self.widening, &other.widening) {
+            own.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
+        }
         self.octaves.merge(&other.octaves);
         for (n, other) in self.refused.iter_mut().zip(other.refused) {
             *n += other;
@@ -467,7 +484,7 @@ mod tests {
     }
 
     fn sample(v: f32) -> Sample {
-        Sample { radiance: Rgb::new(v, 2.0 * v, 0.5), features: None, layers: None }
+        Sample { radiance: Rgb::new(v, 2.0 * v, 0.5), ..Sample::default() }
     }
 
     /// N67: the order of samples does not matter, to the last bit.
@@ -497,7 +514,7 @@ mod tests {
                 depth: i as f32,
                 ..Features::default()
             });
-            Sample { radiance, features, layers: Some(layers) }
+            Sample { radiance, features, layers: Some(layers), widening: 0.0 }
         };
         let mut whole = Film::new(recording.clone());
         let mut parts = [Film::new(recording.clone()), Film::new(recording)];
@@ -525,7 +542,7 @@ mod tests {
         for pass in 0..8 {
             film.add(0, pass, &sample(0.25)).expect("a radiance");
         }
-        let bad = |r: f32| Sample { radiance: Rgb::new(0.1, r, 0.1), features: None, layers: None };
+        let bad = |r: f32| Sample { radiance: Rgb::new(0.1, r, 0.1), ..Sample::default() };
         assert_eq!(film.add(0, 8, &bad(f32::NAN)), Err(Refusal::NotANumber));
         assert_eq!(film.add(0, 9, &bad(f32::INFINITY)), Err(Refusal::Overflow));
         assert_eq!(film.add(0, 10, &bad(-1.0)), Err(Refusal::Negative));
@@ -544,12 +561,8 @@ mod tests {
             for pass in 0..16 {
                 state = crate::math::mix64(state.wrapping_add(0x9e37_79b9_7f4a_7c15));
                 let u = (state >> 40) as f32 / 16_777_216.0;
-                film.add(
-                    pixel,
-                    pass,
-                    &Sample { radiance: Rgb::grey(1000.0 + u), features: None, layers: None },
-                )
-                .expect("ok");
+                film.add(pixel, pass, &Sample { radiance: Rgb::grey(1000.0 + u), ..Sample::default() })
+                    .expect("ok");
             }
         }
         let image = film.to_image();

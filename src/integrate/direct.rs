@@ -29,8 +29,19 @@ pub(crate) fn mis_weight(own: f32, other: f32) -> f32 {
     }
 }
 
-/// Radiance scattered from one of `samples` sampled lights, unweighted by the throughput, and which light it is; `media` are those on the side
-/// of the surface that is seen, and on the other.
+/// Light that was sampled.
+pub(super) struct Lit {
+    /// Radiance that is scattered of it, unweighted by the throughput; what it would be, had nothing been in the way,
+    /// where it does not arrive.
+    pub(super) radiance: Rgb,
+    /// Which light it is from.
+    pub(super) light: LightId,
+    /// Whether anything arrives.
+    pub(super) arrives: bool,
+}
+
+/// One of `samples` sampled lights; `None` where nothing of it would be scattered. `media` are those on the side of the
+/// surface that is seen, and on the other.
 #[inline(always)]
 pub(super) fn direct_light<const FX: u32>(
     scene: &Prepared,
@@ -41,7 +52,7 @@ pub(super) fn direct_light<const FX: u32>(
     u: [f32; 4],
     samples: f32,
     counters: &mut Counters,
-) -> Option<(Rgb, LightId)> {
+) -> Option<Lit> {
     let fx = scene.simulated::<FX>();
     let light = scene.lights.sample(context, [u[0], u[1], u[2]])?;
     let (f, pdf) = scatter::f_and_pdf(fx, bsdf, frame, light.wi, Transport::Radiance)?;
@@ -61,17 +72,19 @@ pub(super) fn direct_light<const FX: u32>(
     let medium = media[usize::from(context.crosses(light.wi))];
     counters.rays += 1;
     if (fx.has(Effect::Cutouts) && scene.has_cutouts()) || (fx.has(Effect::Nesting) && scene.has_nesting()) {
-        return Some((ld * passed(scene, light.shadow_ray, between, medium, counters), light.light));
+        let left = ld * passed(scene, light.shadow_ray, between, medium, counters);
+        let arrives = !left.is_black();
+        return Some(Lit { radiance: if arrives { left } else { ld }, light: light.light, arrives });
     }
     if scene.accel.occluded(&light.shadow_ray, between) {
-        return None;
+        return Some(Lit { radiance: ld, light: light.light, arrives: false });
     }
     if fx.has(Effect::Absorption)
         && let Some(medium) = medium.absorbs
     {
         ld *= interior(scene, medium, light.shadow_ray.t_max);
     }
-    Some((ld, light.light))
+    Some(Lit { radiance: ld, light: light.light, arrives: true })
 }
 
 /// The factor on light that leaves the point `p` of the surface `id` at a cosine: the texel of its emission

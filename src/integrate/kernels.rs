@@ -1,7 +1,7 @@
 //! `li` compiled for a few sets of effects.
 
 use super::li::{li, li_in_layers};
-use super::path::{Counters, Layers};
+use super::path::{Counters, Parts};
 use super::photon::Maps;
 use crate::color::Rgb;
 use crate::prepare::{Effects, KERNELS, KernelSet, Plan, Prepared};
@@ -12,7 +12,7 @@ use crate::shape::Ray;
 pub type LiFn = fn(&Prepared, Address, Ray, &mut Counters) -> Rgb;
 
 /// The same radiance, and the parts that it consists of; where there are maps, with the photons of the pass.
-pub(super) type LayeredLiFn = fn(&Prepared, Option<&Maps>, Address, Ray, &mut Counters) -> (Rgb, Layers);
+pub(super) type LayeredLiFn = fn(&Prepared, Option<&Maps>, Address, Ray, &mut Counters) -> (Rgb, Parts);
 
 /// A compiled transport loop.
 #[derive(Clone, Copy, Debug)]

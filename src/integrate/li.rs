@@ -15,7 +15,7 @@
 use glam::Vec3;
 
 use super::direct::direct_light;
-use super::path::{Counters, FAR_CAP, Layers, NOWHERE, PathState, Sampled};
+use super::path::{Counters, FAR_CAP, NOWHERE, Parts, PathState, Sampled};
 use super::photon::{Maps, Place, gathered};
 use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
@@ -52,7 +52,7 @@ pub(super) fn li_in_layers<const FX: u32>(
     address: Address,
     ray: Ray,
     counters: &mut Counters,
-) -> (Rgb, Layers) {
+) -> (Rgb, Parts) {
     walk::<FX, true>(scene, maps, address, ray, counters)
 }
 
@@ -64,13 +64,14 @@ fn walk<const FX: u32, const LAYERS: bool>(
     address: Address,
     ray: Ray,
     counters: &mut Counters,
-) -> (Rgb, Layers) {
+) -> (Rgb, Parts) {
     let mut path = PathState::new(scene, ray);
+    path.widened = maps.map_or(0.0, |m| m.widened(&address));
     loop {
         match step::<FX, LAYERS>(scene, maps, &address, None, &mut path, counters) {
             Next::Continue => {}
             Next::Fork(hit) => return ways::<FX>(scene, maps, address, &path, hit, counters),
-            Next::Done => return (path.radiance, path.layers),
+            Next::Done => return (path.radiance, path.parts),
         }
     }
 }
@@ -85,18 +86,20 @@ fn ways<const FX: u32>(
     arrived: &PathState,
     hit: Hit,
     counters: &mut Counters,
-) -> (Rgb, Layers) {
+) -> (Rgb, Parts) {
     let n = scene.plan.split;
-    let (mut radiance, mut layers) = (Rgb::BLACK, Layers::default());
+    let (mut radiance, mut parts) = (Rgb::BLACK, Parts::default());
     for j in 0..n {
         let mut path = PathState { forks: false, ..arrived.clone() };
         let (address, mut at) = (address.split(n, j), Some(hit));
         while let Next::Continue = step::<FX, true>(scene, maps, &address, at.take(), &mut path, counters) {}
         radiance += path.radiance;
-        layers.iter_mut().zip(path.layers).for_each(|(sum, part)| *sum += part);
+        parts.layers.iter_mut().zip(path.parts.layers).for_each(|(sum, part)| *sum += part);
+        parts.widening += path.parts.widening;
     }
     let share = 1.0 / n as f32;
-    (radiance * share, layers.map(|sum| sum * share))
+    let layers = parts.layers.map(|sum| sum * share);
+    (radiance * share, Parts { layers, widening: parts.widening * share })
 }
 
 /// From one vertex to the next, or from one that the path has arrived `at`, on; photons of `maps` are gathered where
@@ -228,12 +231,13 @@ fn step<const FX: u32, const LAYERS: bool>(
                 counters,
             );
             path.lit::<LAYERS>(narrow, found, &scene.kept);
-        } else if let Some((ld, light)) =
-            direct_light::<FX>(scene, bsdf, &frame, &context, media, u(), 1.0, counters)
+        } else if let Some(lit) = direct_light::<FX>(scene, bsdf, &frame, &context, media, u(), 1.0, counters)
         {
-            let found = path.beta * ld;
-            path.count_lit(scene, narrow, found, light, counters);
-            path.lit::<LAYERS>(narrow, found, &scene.kept);
+            let found = path.beta * lit.radiance;
+            path.count_lit(scene, narrow, found, &lit, counters);
+            if lit.arrives {
+                path.lit::<LAYERS>(narrow, found, &scene.kept);
+            }
         }
         if LAYERS {
             counters.layer_rays[path.samples(narrow) as usize] += counters.rays - before;
@@ -328,9 +332,11 @@ fn many_lights<const FX: u32>(
     let mut sum = Rgb::BLACK;
     for j in 0..samples {
         let u = address.split(samples, j).block(path.depth, Purpose::Light, 0, 0);
-        if let Some((ld, light)) = direct_light::<FX>(scene, bsdf, frame, context, media, u, n, counters) {
-            path.count_lit(scene, narrow, path.beta * ld * share, light, counters);
-            sum += ld;
+        if let Some(lit) = direct_light::<FX>(scene, bsdf, frame, context, media, u, n, counters) {
+            path.count_lit(scene, narrow, path.beta * lit.radiance * share, &lit, counters);
+            if lit.arrives {
+                sum += lit.radiance;
+            }
         }
     }
     path.beta * (sum * share)
@@ -350,7 +356,7 @@ fn gather(
     counters: &mut Counters,
 ) {
     let linked = path.linked && path.thrown;
-    let place = Place { depth: path.depth, spread: path.spread > 0, linked: true };
+    let place = Place { depth: path.depth, spread: path.spread > 0, linked: true, widened: path.widened };
     if let Some(map) = maps.caustics.as_ref().filter(|_| path.depth > 0 && !linked) {
         let found = gathered(scene, map, bsdf, frame, context, media, place, counters);
         path.gather(&found, &scene.kept, counters);

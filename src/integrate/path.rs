@@ -4,10 +4,11 @@
 //! layers, and counters. Which way light came is known here alone: by the number of events, of those with a spread,
 //! and by whether the last one had none.
 
-use super::direct::mis_weight;
+use super::direct::{Lit, mis_weight};
+use super::photon::Gathered;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
-use crate::film::{Found, LIGHT_CLASSES, LightLayer, light_class};
+use crate::film::{Found, LightLayer, light_class};
 use crate::light::{LightContext, LightId};
 use crate::mutants::planted;
 use crate::prepare::{Caustics, Kept, Medium, Prepared, Way};
@@ -38,6 +39,15 @@ pub struct Counters {
 
 /// The parts of a radiance, by number of their [`LightLayer`].
 pub type Layers = [Rgb; LightLayer::ALL.len()];
+
+/// What a sample consists of.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Parts {
+    /// By number of their layer.
+    pub(super) layers: Layers,
+    /// See [`Sample::widening`](crate::film::Sample).
+    pub(super) widening: f32,
+}
 
 /// Where a direction was sampled, and how probable it was: what the next emitter's weight depends on.
 #[derive(Clone, Copy)]
@@ -70,8 +80,8 @@ pub(super) struct PathState {
     pub(super) beta: Rgb,
     /// What the path has gathered.
     pub(super) radiance: Rgb,
-    /// Which parts that consists of, where layers are asked for.
-    pub(super) layers: Layers,
+    /// What that consists of, where it is asked for.
+    pub(super) parts: Parts,
     /// Whether its first event had no spread, or a narrow one: the camera looks into a mirror or through glass.
     pub(super) through: bool,
     /// How many of its events had a spread, and not a narrow one.
@@ -90,6 +100,8 @@ pub(super) struct PathState {
     pub(super) medium: Medium,
     /// Product of eta^2: what refractions have taken from `beta` and will give back.
     pub(super) eta_scale: f32,
+    /// How often what wider disks would show counts, of which few paths look: zero for most.
+    pub(super) widened: f32,
     /// Whether it goes on in several ways where what it meets first is a mirror or clear glass.
     pub(super) forks: bool,
 }
@@ -106,13 +118,14 @@ impl PathState {
             sampled: None,
             medium: scene.start,
             eta_scale: 1.0,
-            layers: [Rgb::BLACK; LightLayer::ALL.len()],
+            parts: Parts::default(),
             through: false,
             spread: 0,
             thrown: false,
             supplied: false,
             linked: true,
             caustics: scene.plan.caustics,
+            widened: 0.0,
             forks: scene.plan.split > 1,
         }
     }
@@ -133,25 +146,33 @@ impl PathState {
         }
         let way = || Way { events: self.depth, spread: self.spread, caustic };
         let found = scene.kept.of(found, way).luminance();
-        counters.found[light_class(scene.apart.number(light), caustic)] += f64::from(found);
+        counters.found.by_class[light_class(scene.apart.number(light), caustic)] += f64::from(found);
     }
 
-    /// Counts the same of light that was sampled at a vertex, on a material that may be `narrow`.
+    /// Counts the same of light that was sampled at a vertex, on a material that may be `narrow`, and that `found` is
+    /// left of, whether it arrived or was blocked.
     #[inline(always)]
     pub(super) fn count_lit(
         &self,
         scene: &Prepared,
         narrow: bool,
         found: Rgb,
-        light: LightId,
+        lit: &Lit,
         counters: &mut Counters,
     ) {
         if self.through || (narrow && self.depth == 0) {
             return;
         }
         let way = || self.way_lit(narrow);
-        let found = scene.kept.of(found, way).luminance();
-        counters.found[light_class(scene.apart.number(light), narrow)] += f64::from(found);
+        let found = f64::from(scene.kept.of(found, way).luminance());
+        let light = scene.apart.number(lit.light);
+        if lit.arrives {
+            counters.found.by_class[light_class(light, narrow)] += found;
+        } else {
+            let [sum, squares] = &mut counters.found.blocked[usize::from(light)];
+            *sum += found;
+            *squares += found * found;
+        }
     }
 
     /// The layer of light that the path meets now.
@@ -187,7 +208,7 @@ impl PathState {
         let radiance = planted!(clamp(kept.of(found, way)));
         self.radiance += radiance;
         if LAYERS {
-            self.layers[self.meets() as usize] += radiance;
+            self.parts.layers[self.meets() as usize] += radiance;
         }
     }
 
@@ -207,13 +228,13 @@ impl PathState {
         let radiance = planted!(clamp(kept.of(found, || self.way_lit(narrow))));
         self.radiance += radiance;
         if LAYERS {
-            self.layers[self.samples(narrow) as usize] += radiance;
+            self.parts.layers[self.samples(narrow) as usize] += radiance;
         }
     }
 
-    /// Adds the light of photons around a vertex that has a spread, by class.
-    pub(super) fn gather(&mut self, found: &[Rgb; LIGHT_CLASSES], kept: &Kept, counters: &mut Counters) {
-        for (class, &found) in found.iter().enumerate().filter(|(_, f)| !f.is_black()) {
+    /// Adds the light of photons around a vertex that has a spread.
+    pub(super) fn gather(&mut self, found: &Gathered, kept: &Kept, counters: &mut Counters) {
+        for (class, &found) in found.by_class.iter().enumerate().filter(|(_, f)| !f.is_black()) {
             // At least one event brought it here.
             let caustic = class % 2 == 1;
             let way = || Way { events: self.depth + 2, spread: self.spread + 1, caustic };
@@ -224,10 +245,12 @@ impl PathState {
                 true => LightLayer::Glass,
                 false => LightLayer::Indirect,
             };
-            self.layers[layer as usize] += radiance;
+            self.parts.layers[layer as usize] += radiance;
             if !self.through {
-                counters.found[class] += f64::from(radiance.luminance());
+                counters.found.by_class[class] += f64::from(radiance.luminance());
             }
         }
+        let way = || Way { events: self.depth + 2, spread: self.spread + 1, caustic: false };
+        self.parts.widening += kept.of(self.beta * found.widening, way).luminance();
     }
 }

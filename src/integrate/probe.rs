@@ -95,3 +95,63 @@ impl<'a> Probe<'a> {
         (0..width * height).into_par_iter().with_min_len(16).map(one).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::photon;
+    use crate::prepare::{Algorithms, CausticsMode, EffectsMode, Options, Shortcuts, prepare};
+    use crate::scene::text::parse_toml;
+    use crate::scene::{complete, validate};
+
+    /// Guards what wider disks add, as samples record it, by pictures with either: in a picture so small that each sample
+    /// looks at wider disks.
+    #[test]
+    fn wider_disks_add_what_they_show() {
+        let mut scene =
+            parse_toml(include_str!("../../fixtures/golden/glass-slab/scene.toml")).expect("a scene").0;
+        validate(&mut scene).expect("a valid scene");
+        complete(&mut scene);
+        let algorithms = Algorithms { caustics: CausticsMode::Photon, ..Algorithms::PATHS };
+        let options = Options {
+            camera: None,
+            size: [24, 24],
+            seed: 3,
+            effects: EffectsMode::Auto,
+            max_depth: None,
+            shortcuts: Shortcuts::default(),
+            transparent: false,
+            algorithms,
+        };
+        let prepared = prepare(&scene, &options).expect("a camera");
+        let count = photon::photons(24 * 24);
+        let probe = Probe::new(&prepared, count);
+        let radii = [1.0, 2.0].map(|factor| Radius { factor, pixel: 1.0 });
+        let [own, wide] = probe.photons(0, radii).map(|photons| probe.pass(0, &photons));
+        let tracer = Tracer::new(&prepared, [0, 0, 24, 24]).expect("photons");
+        let trace = |chunk| tracer.trace(0, chunk, &mut Counters::default());
+        let parts = (0..tracer.chunks()).map(trace).map(|t| (t.layer, t.photons)).collect();
+        let maps = tracer.maps(Radius::of(0), parts);
+        let (mut largest, kernel) = (0.0f64, kernel(&prepared.plan));
+        for (i, (own, wide)) in own.iter().zip(&wide).enumerate() {
+            let pixel = [i as u32 % 24, i as u32 / 24];
+            let found = sample(&prepared, &kernel, false, pixel, 0, Some(&maps), &mut Counters::default());
+            assert_eq!(f64::from(found.radiance.luminance()), own.luminance);
+            let expected = wide.luminance - own.luminance;
+            let found = f64::from(found.widening);
+            assert!(
+                (found - expected).abs() <= 1e-4 * (1.0 + wide.luminance),
+                "{pixel:?}: {found} {expected}"
+            );
+            largest = largest.max(found.abs());
+        }
+        assert!(largest > 0.01, "{largest}");
+    }
+
+    /// Guards how many samples look at wider disks: each in small pictures, and few in large ones.
+    #[test]
+    fn few_samples_look_at_wider_disks() {
+        let of = photon::of_widened;
+        assert_eq!([of(1), of(31 * 31), of(64 * 64), of(512 * 512), of(1 << 30)], [1, 1, 4, 32, 64]);
+    }
+}

@@ -10,7 +10,7 @@ use super::drive::{Source, drive};
 use super::kernels::{Kernel, kernel};
 use super::li::first_surface;
 use super::path::Counters;
-use super::photon::{Maps, Radius, Second, Tracer};
+use super::photon::{self, Maps, Radius, Second, Tracer};
 use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample, Squares};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
@@ -267,10 +267,11 @@ pub(super) fn sample(
     let ray = scene.camera.ray(pixel, [u[0], u[1]], || square_to_disk([u[2], u[3]]));
     if layers || maps.is_some() {
         let (radiance, parts) = (kernel.layered)(scene, maps, address, ray, counters);
-        return Sample { radiance, features: None, layers: layers.then_some(parts) };
+        let (layers, widening) = (layers.then_some(parts.layers), parts.widening);
+        return Sample { radiance, layers, widening, ..Sample::default() };
     }
     let radiance = (kernel.li)(scene, address, ray, counters);
-    Sample { radiance, features: None, layers: None }
+    Sample { radiance, ..Sample::default() }
 }
 
 /// Traces the photons of some passes that say how much light there is ([`Film::cross_cells`]) onto a film, alone: more
@@ -346,6 +347,7 @@ pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
         transparent: scene.transparent,
         // Photons light all pixels.
         cross: scene.second().is_some() && options.every <= 1,
+        widening: photon::gathers(scene),
     }
 }
 

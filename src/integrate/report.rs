@@ -522,11 +522,8 @@ impl Source for Tracer {
         let mut rng = Address::new(self.seed, index, ray, 0).stream(0, Purpose::Report, 0);
         let place = place_in_pixel(ray, self.rays, random(&mut rng));
         let start = self.camera.ray(pixel, place, || square_to_disk(random(&mut rng)));
-        Sample {
-            radiance: self.pixel_ray(start.o, start.d, &mut rng, counters),
-            features: None,
-            layers: None,
-        }
+        let radiance = self.pixel_ray(start.o, start.d, &mut rng, counters);
+        Sample { radiance, ..Sample::default() }
     }
 }
 
@@ -652,6 +649,7 @@ impl Tracer {
             layer_noise: false,
             transparent: false,
             cross: false,
+            widening: false,
         };
         let passes = RenderOptions {
             threads: options.threads,

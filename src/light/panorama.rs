@@ -103,7 +103,7 @@ impl Panorama {
         };
         let angle = |i: usize, n: usize| PI * i as f64 / n as f64;
         // What a texel's width leaves of the sum of its directions.
-        let narrowing = libm::sin(angle(1, w)) / angle(1, w);
+        let widening = libm::sin(angle(1, w)) / angle(1, w);
         let (mut total, mut flow) = (0.0, [0.0f64; 3]);
         // The lines above, at and below the current row of texels.
         let first = line(0);
@@ -118,7 +118,7 @@ impl Panorama {
                     let (top, bottom) = (libm::cos(angle(y, h)), libm::cos(angle(y + 1, h)));
                     let solid = TAU / w as f64 * (top - bottom);
                     let z = 0.5 * (top + bottom);
-                    let r = narrowing * (1.0 - z * z).sqrt();
+                    let r = widening * (1.0 - z * z).sqrt();
                     for x in 0..w {
                         let weight = spread(lines[0][x], lines[1][x], lines[2][x]) * solid;
                         out[x / side] += weight;

@@ -12,7 +12,7 @@ use super::{Identity, Part, PartError, join};
 use crate::film::{Film, FilmLayout, FixedPoint};
 
 const MAGIC: &[u8; 8] = b"epsilux\n";
-const SCHEMA: &str = "epsilux.part/1";
+const SCHEMA: &str = "epsilux.part/2";
 const CHECKSUM: usize = 32;
 
 #[derive(Serialize)]
@@ -42,6 +42,7 @@ struct Body {
     layer_noise: bool,
     transparent: bool,
     cross: bool,
+    widening: bool,
 }
 
 impl Part {
@@ -66,6 +67,7 @@ impl Part {
             layer_noise: layout.layer_noise,
             transparent: layout.transparent,
             cross: layout.cross,
+            widening: layout.widening,
         };
         // Strings, numbers and lists of them: nothing that JSON could not hold.
         let header = serde_json::to_vec(&Header { schema: SCHEMA.into(), body }).unwrap_or_default();
@@ -107,6 +109,7 @@ impl Part {
             layer_noise: body.layer_noise,
             transparent: body.transparent,
             cross: body.cross,
+            widening: body.widening,
         };
         let [x, y, width, height] = layout.crop;
         let inside = |at: u32, extent: u32, size: u32| at.checked_add(extent).is_some_and(|end| end <= size);

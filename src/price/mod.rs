@@ -6,8 +6,9 @@
 //! of each other, and give the intervals. Their seeds have a domain of their own, so that a picture and its price
 //! share no noise.
 //!
-//! No pilot runs: both are rendered with the choices that were asked for, or that hold without one. So a price does not
-//! depend on how many samples the picture takes.
+//! Each is rendered with the choices that a pilot makes for the picture itself ([`Budget::pilot`]), as renders of 64 samples
+//! and more have them: what is compared is what would be rendered. So a price does not depend on how many samples the
+//! picture takes.
 //!
 //! Work is counted in rays, and the runs are of fixed size, so that prices are a function of scene, settings and
 //! nothing else, and may stand in a picture. Seconds are measured beside them, for people.
@@ -28,6 +29,7 @@ use crate::color::Rgb;
 use crate::film::{Image, LightLayer};
 use crate::integrate::{self, Control, RenderOptions, RunError};
 use crate::math::{fnv1a, mix64};
+use crate::pilot::{self, Asked};
 use crate::prepare::{self, Options, Plan, Shortcut, prepare};
 use crate::scene::Scene;
 use crate::stats::{Interval, luminance};
@@ -41,12 +43,14 @@ pub struct Budget {
     pub passes: u32,
     /// Threads; 0 is one for each core.
     pub threads: usize,
+    /// Whether a pilot makes the choices that are open, for the picture in its own size, with and without the shortcuts.
+    pub pilot: bool,
 }
 
 impl Default for Budget {
     /// Half a million samples in full, and as many short.
     fn default() -> Self {
-        Self { pixels: 4096, passes: 8, threads: 0 }
+        Self { pixels: 4096, passes: 8, threads: 0, pilot: true }
     }
 }
 
@@ -114,7 +118,7 @@ pub fn price(
     control: &dyn Control,
 ) -> Result<Vec<Priced>, RunError> {
     let full = Options { size: budget.size(options.size), ..options.without_shortcuts() };
-    let mut render = Runs { scene, budget, control, full: None };
+    let mut render = Runs { scene, size: options.size, budget, control, full: None };
     let mut list = Vec::new();
     for shortcuts in sets {
         let plan = render.plan(&full)?;
@@ -149,6 +153,8 @@ struct Run {
 
 struct Runs<'a> {
     scene: &'a Scene,
+    /// Of the picture itself.
+    size: [u32; 2],
     budget: &'a Budget,
     control: &'a dyn Control,
     /// The full render, once it is needed.
@@ -205,7 +211,14 @@ impl Runs<'_> {
     }
 
     fn render(&self, options: &Options) -> Result<Rendered, RunError> {
-        let mut prepared = prepare(self.scene, options)?;
+        let algorithms = if self.budget.pilot {
+            let picture = Options { size: self.size, ..options.clone() };
+            let asked = Asked { threads: self.budget.threads, ..Asked::default() };
+            pilot::plan(self.scene, &picture, &asked)?.algorithms()
+        } else {
+            options.algorithms
+        };
+        let mut prepared = prepare(self.scene, &Options { algorithms, ..options.clone() })?;
         let how = RenderOptions {
             threads: self.budget.threads,
             layers: true,

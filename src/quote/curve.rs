@@ -43,6 +43,8 @@ struct Point {
     effective_pixels: f64,
     /// As [`Squares`] has it.
     together: f64,
+    /// The square of the bias of photon maps, and how far its upper end is from that.
+    bias: [f64; 2],
 }
 
 /// A number of samples for each pixel, as it was foreseen.
@@ -77,7 +79,11 @@ impl Curve {
             group.1 += 1.0;
         }
         let effective_pixels = squares.estimate().effective_pixels;
-        self.points.push(Point { passes, groups, effective_pixels, together: squares.together });
+        let bias = squares.map_bias.map_or([0.0; 2], |b| {
+            let [square, end] = [b.error, b.interval[1]].map(|e| e * e);
+            [square, end - square]
+        });
+        self.points.push(Point { passes, groups, effective_pixels, together: squares.together, bias });
     }
 
     /// The points that a law is fitted to.
@@ -99,7 +105,7 @@ impl Curve {
         // Where the error is reached within the curve, that says when; beyond, the law goes on.
         let reached = |weights: &[f64; GROUPS]| {
             let mut points = self.points.iter().filter(|p| p.passes >= FEWEST.min(last.passes));
-            points.find(|p| p.weighted(weights) <= wanted)
+            points.find(|p| p.weighted(weights) + p.bias[0] <= wanted)
         };
         let within = reached(&[1.0; GROUPS]).is_some();
         let stops = |weights: &[f64; GROUPS]| {
@@ -110,7 +116,8 @@ impl Curve {
             let points = fitted.iter().map(|p| (f64::from(p.passes), p.weighted(weights)));
             // Noise may make some of them negative.
             let points: Vec<_> = points.filter(|(_, e2)| *e2 > 0.0).collect();
-            Some(Law::fit(&points)?.samples(wanted).max(f64::from(last.passes)))
+            let law = Law::fit(&points)?.with_bias(last.bias[0], f64::from(last.passes));
+            Some(law.samples(wanted).max(f64::from(last.passes)))
         };
         let middle = stops(&[1.0; GROUPS])?;
         let mut state = 0u64;
@@ -130,8 +137,10 @@ impl Curve {
         let own = 1.0 / (last.effective_pixels * self.every).max(1.0);
         let beyond = libm::log2(middle / f64::from(last.passes)).max(0.0);
         let off = beyond * OFF.0 * (f64::from(OFF.1) / f64::from(last.passes)).max(1.0);
+        // What a bias is off by is missing for noise, or free for it, and samples go as one over that.
+        let unsure = last.bias[1] / NORMAL_95 / (wanted - last.bias[0]).max(0.1 * wanted);
         // Groups hold neighbours of each other, so that they go together as pixels do.
-        let variance = drawn * last.together + own + off * off;
+        let variance = drawn * last.together + own + off * off + unsure * unsure;
         let spread = libm::exp(NORMAL_95 * variance.sqrt());
         Some(Forecast { samples: stop(middle), interval: [stop(middle / spread), stop(middle * spread)] })
     }
@@ -161,9 +170,15 @@ fn stop(samples: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::MapBias;
 
     /// Curves of `pixels` with E^2 = 1/n and noise of some relative size, independent between points.
     fn curve(name: u64, pixels: usize, noise: f64, last: u32) -> Curve {
+        biased(name, pixels, noise, last, None)
+    }
+
+    /// The same with the bias of a photon map.
+    fn biased(name: u64, pixels: usize, noise: f64, last: u32, bias: Option<MapBias>) -> Curve {
         let mut curve = Curve::new(1);
         let mut state = name;
         for passes in (8..=last).filter(|&n| is_looked_at(n)) {
@@ -172,7 +187,8 @@ mod tests {
                 let u = (mix64(state) >> 11) as f64 / (1u64 << 53) as f64;
                 ((1.0 + noise * (2.0 * u - 1.0)) / f64::from(passes)) as f32
             };
-            curve.add(passes, &Squares { of_pixels: (0..pixels).map(t).collect(), together: 1.0 });
+            let of_pixels = (0..pixels).map(t).collect();
+            curve.add(passes, &Squares { of_pixels, together: 1.0, map_bias: bias });
         }
         curve
     }
@@ -185,6 +201,28 @@ mod tests {
         assert_eq!(found.samples, 1024);
         assert!((850..=880).contains(&found.interval[0]), "{found:?}");
         assert!((1200..=1280).contains(&found.interval[1]), "{found:?}");
+    }
+
+    /// By hand: with a bias of 0.03 after 128 samples, squared 9e-4, and 9e-4 / 2 after 1024, noise has to fall to
+    /// 5.5e-4 for 1e-3 there: a little sooner than after 1818. And that what is not known of the bias widens the interval.
+    #[test]
+    fn bias_takes_more_samples() {
+        let of = |interval| {
+            let bias = MapBias { error: 0.03, interval };
+            biased(1, 4096, 0.0, 128, Some(bias)).forecast(1e-3f64.sqrt()).expect("points")
+        };
+        let known = of([0.03; 2]);
+        let after = |n: f64| 1.0 / n + 9e-4 * libm::cbrt(128.0 / n);
+        assert!(
+            after(f64::from(known.samples)) <= 1e-3 && after(0.93 * f64::from(known.samples)) > 1e-3,
+            "{known:?}"
+        );
+        let unsure = of([0.025, 0.035]);
+        assert_eq!(unsure.samples, known.samples);
+        assert!(unsure.interval[1] > known.interval[1], "{unsure:?}");
+        // What is still above is not reached within the curve.
+        let above = biased(1, 4096, 0.0, 1024, Some(MapBias { error: 0.03, interval: [0.03; 2] }));
+        assert!(above.forecast(1e-3f64.sqrt()).expect("points").samples > 1024);
     }
 
     /// Guards that an error which is reached within the curve is read off, and that single groups that noise makes small
@@ -210,7 +248,7 @@ mod tests {
                 of_pixels[0] += 4000.0 / 16.0;
                 of_pixels[1] -= 4000.0 / 16.0;
             }
-            curve.add(passes, &Squares { of_pixels, together: 1.0 });
+            curve.add(passes, &Squares { of_pixels, together: 1.0, map_bias: None });
         }
         // As without it: 389 samples, of which the next look is after 400, and 10 % to either side.
         let found = curve.forecast(0.0507).expect("points");

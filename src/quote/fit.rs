@@ -1,4 +1,5 @@
-//! How errors fall with the number of samples: E^2 = a / n + b / n^(3/2), neither a nor b negative.
+//! How errors fall with the number of samples: E^2 = a / n + b / n^(3/2), neither a nor b negative, and what the bias of
+//! photon maps adds, which is known beforehand and falls as n^(-1/3).
 //!
 //! Independent samples give 1/n. Samples of a low-discrepancy sequence give n^(-3/2) where an edge crosses a pixel
 //! (Mitchell, "Consequences of Stratified Sampling in Graphics", SIGGRAPH 1996), and n^-2 or less where everything is
@@ -9,9 +10,16 @@
 /// Exponents of n.
 const POWERS: [f64; 2] = [1.0, 1.5];
 
+/// The exponent of n with which the square of a bias falls that goes with the radius: the mean of r^2 as of n^(-1/3).
+const POWER_OF_BIAS: f64 = 1.0 / 3.0;
+
 /// E^2 as a function of n.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Law([f64; 2]);
+pub(super) struct Law {
+    noise: [f64; 2],
+    /// After one sample.
+    bias: f64,
+}
 
 impl Law {
     /// Least squares of the relative deviations over points (n, E^2), both above zero; `None` where there are none.
@@ -31,16 +39,27 @@ impl Law {
         if determinant > 1e-9 * aa * bb {
             let both = [(a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant];
             if both.iter().all(|&c| c >= 0.0) {
-                return Some(Self(both));
+                return Some(Self::of_noise(both));
             }
         }
         // With one term c x, the sum of (c x - 1)^2 is least for c = sum x / sum x^2, and then N - (sum x)^2 / sum x^2.
-        Some(if a * a * bb >= b * b * aa { Self([a / aa, 0.0]) } else { Self([0.0, b / bb]) })
+        let one = if a * a * bb >= b * b * aa { [a / aa, 0.0] } else { [0.0, b / bb] };
+        Some(Self::of_noise(one))
+    }
+
+    fn of_noise(noise: [f64; 2]) -> Self {
+        Self { noise, bias: 0.0 }
+    }
+
+    /// The same with a bias whose square was `square` after `n` samples.
+    pub(super) fn with_bias(self, square: f64, n: f64) -> Self {
+        Self { bias: square * libm::pow(n, POWER_OF_BIAS), ..self }
     }
 
     /// E^2 after n samples.
     pub(super) fn at(&self, n: f64) -> f64 {
-        self.0.iter().zip(POWERS).map(|(c, p)| c * libm::pow(n, -p)).sum()
+        let noise = self.noise.iter().zip(POWERS).map(|(c, p)| c * libm::pow(n, -p)).sum::<f64>();
+        noise + self.bias * libm::pow(n, -POWER_OF_BIAS)
     }
 
     /// The number of samples after which E^2 is this; found by halving, since the law falls.
@@ -61,7 +80,7 @@ mod tests {
     /// Guards that laws of each kind come back from their own points, and that the samples for an error invert them.
     #[test]
     fn laws_come_back() {
-        for law in [[2.0, 0.0], [0.0, 3.0], [1.0, 40.0]].map(Law) {
+        for law in [[2.0, 0.0], [0.0, 3.0], [1.0, 40.0]].map(Law::of_noise) {
             let points: Vec<_> = (4..11).map(|o| f64::from(1 << o)).map(|n| (n, law.at(n))).collect();
             let found = Law::fit(&points).expect("points");
             for n in [16.0, 1e3, 1e5] {
@@ -72,14 +91,22 @@ mod tests {
         assert_eq!(Law::fit(&[]), None);
     }
 
+    /// By hand: a bias of 1e-4 after 64 samples is half of that after 512, where noise of 1/n then adds the rest.
+    #[test]
+    fn bias_falls_slowly() {
+        let law = Law::of_noise([1.0, 0.0]).with_bias(1e-4, 64.0);
+        assert!((law.at(512.0) - (1.0 / 512.0 + 0.5e-4)).abs() < 1e-12, "{law:?}");
+        assert!((law.samples(law.at(5000.0)) / 5000.0 - 1.0).abs() < 1e-6);
+    }
+
     /// Guards that noise makes no term negative, and that what remains is the better one; points at one n have a law.
     #[test]
     fn no_term_is_negative() {
         let steep = [(16.0, 1.0), (32.0, 0.2), (64.0, 0.04)];
         let flat = [(16.0, 1.0), (32.0, 0.9), (64.0, 0.8)];
         let of = |points: &[(f64, f64)]| Law::fit(points).expect("points");
-        assert!(of(&steep).0[0] == 0.0 && of(&steep).0[1] > 0.0);
-        assert!(of(&flat).0[1] == 0.0 && of(&flat).0[0] > 0.0);
+        assert!(of(&steep).noise[0] == 0.0 && of(&steep).noise[1] > 0.0);
+        assert!(of(&flat).noise[1] == 0.0 && of(&flat).noise[0] > 0.0);
         assert!((of(&[(16.0, 1.0), (16.0, 1.0)]).at(16.0) - 1.0).abs() < 1e-9);
     }
 }

@@ -28,6 +28,8 @@ pub enum Purpose {
     /// Where a photon starts: choice of a light (one number), a point on it (two numbers); then, at k = 1, what
     /// it is aimed at (one number), a direction (two numbers), the side of the light (one number).
     Photon = 6,
+    /// Whether a sample looks how far photon maps may be off (one number).
+    Widening = 7,
 }
 
 /// What a photon is for. Append only, as [`Purpose`].

@@ -97,4 +97,12 @@ fn few_samples_are_told() {
         line,
         "error above 25.0 %, not trustworthy yet: 0.000763 % of the samples carry 9 % of the light"
     );
+    // And of light that none finds.
+    let pinhole = scene("../fixtures/misleading/pinhole.toml");
+    let said = folder.done(&format!("render {} --spp 64 -o a.exr", pinhole.display())).err;
+    let line = said.lines().find(|l| l.starts_with("error ")).unwrap_or_else(|| panic!("{said}"));
+    assert!(line.contains("not trustworthy yet: nothing from light \"lamp\" arrived, of which so few samples may miss up to "), "{line}");
+    assert!(line.ends_with(" times what is shown"), "{line}");
+    let report: Value = serde_json::from_slice(&folder.read("a.report.json")).expect("JSON");
+    assert_eq!(report["error"]["doubt"]["kind"], "light-not-reached");
 }

@@ -220,6 +220,24 @@ fn a_clamp_spares_what_one_event_brings() {
     }
 }
 
+/// Guards that what is priced is what would be rendered: in a picture large enough for a pilot, caustics are by photons,
+/// so that leaving them out saves the photons too, and pays for a short while only.
+#[test]
+fn prices_have_the_choices_of_the_render() {
+    let scene = file(include_str!("../../scenes/caustic.toml"));
+    let base = Options { algorithms: Algorithms::default(), ..options([200, 200], seed("choices"), None) };
+    let of = |pilot: bool| {
+        let budget = Budget { passes: 2, pilot, ..Budget::default() };
+        let list = price(&scene, &base, &[vec![CAUSTICS]], &budget, &Quiet).expect("a scene");
+        list.into_iter().next().expect("one").price.expect("measured")
+    };
+    let (paths, photons) = (of(false), of(true));
+    assert!(paths.work > 0.9, "{paths:?}");
+    assert!(photons.work < 0.8, "{photons:?}");
+    // Without caustics there is as little noise; with them paths have much more of it.
+    assert!(photons.variance > 5.0 * paths.variance, "{photons:?} {paths:?}");
+}
+
 /// Guards prices as a function of scene and settings: threads change nothing, nor do shortcuts that the options take
 /// themselves; and what is not there is not measured.
 #[test]

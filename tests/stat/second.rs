@@ -182,6 +182,29 @@ fn a_pinhole_is_noticed() {
     }
 }
 
+/// Guards the bound of light that neither paths nor photons find, behind a hole of a tenth of a millimetre: the truth
+/// is a tenth of the picture, and known to be below some hundred times it. And that a lamp as bright as the rest is no
+/// reason to doubt there: its bound is a millionth of that of the one which is ten million times as bright.
+#[test]
+fn light_that_nobody_finds_is_doubted() {
+    let scene = file(include_str!("../../fixtures/misleading/pinhole.toml"));
+    let prepared = prepare(&scene, &options([64, 64], 0, None)).expect("a camera");
+    for run in 0..2 {
+        match doubt(&scene, seed("nobody") ^ run, CausticsMode::Path, 32) {
+            Some(Doubt::LightNotReached { share, light }) => {
+                assert!(share > 0.1 && share < 1e4, "{share}");
+                assert_eq!(prepared.lights_apart()[usize::from(light)], "light \"lamp\"");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    let bright = "[6.88e15, 6.88e15, 6.88e15]";
+    let text = include_str!("../../fixtures/misleading/pinhole.toml");
+    assert!(text.contains(bright));
+    let faint = file(&text.replace(bright, "[6.88e8, 6.88e8, 6.88e8]"));
+    assert_eq!(doubt(&faint, seed("faint"), CausticsMode::Path, 32), None);
+}
+
 /// Guards caustics that paths have not found, and that photons which supply them are found sound.
 #[test]
 fn missing_caustics_are_noticed() {
@@ -211,6 +234,7 @@ fn sound_pictures_are_not_doubted() {
         ("many-lights", include_str!("../../fixtures/golden/many-lights/scene.toml")),
     ] {
         let found = doubt(&file(text), seed(name), CausticsMode::Path, 48);
-        assert!(!matches!(found, Some(Doubt::LightNotFound { .. })), "{name}: {found:?}");
+        let missing = matches!(found, Some(Doubt::LightNotFound { .. } | Doubt::LightNotReached { .. }));
+        assert!(!missing, "{name}: {found:?}");
     }
 }

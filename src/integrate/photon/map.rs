@@ -61,6 +61,8 @@ pub(in crate::integrate) struct Place {
     pub(in crate::integrate) spread: bool,
     /// Whether photons count whose way is S+ (D S+)*.
     pub(in crate::integrate) linked: bool,
+    /// How often a disk of twice the radius counts; zero where none is looked at.
+    pub(in crate::integrate) widened: f32,
 }
 
 /// What radii follow from.
@@ -161,8 +163,15 @@ fn split(order: &mut [(Vec3, u32)], axes: &mut [u8]) {
     split(&mut right[1..], &mut right_axes[1..]);
 }
 
-/// Radiance that a surface makes of the photons around a point of it, by the class of light that they bring: their
-/// power, weighed by Epanechnikov's kernel over the disk. `media` are those on the side of the surface that is seen,
+/// Radiance that a surface makes of the photons around a point of it.
+pub(in crate::integrate) struct Gathered {
+    /// By the class of light that they bring.
+    pub(in crate::integrate) by_class: [Rgb; LIGHT_CLASSES],
+    /// What a disk of twice the radius shows, less all of it, as often as that counts: noise and bias of either sign.
+    pub(in crate::integrate) widening: Rgb,
+}
+
+/// Gathers the photons around a point: their power, weighed by Epanechnikov's kernel over the disk. `media` are those on the side of the surface that is seen,
 /// and on the other.
 #[inline(never)]
 pub(in crate::integrate) fn gathered(
@@ -174,13 +183,14 @@ pub(in crate::integrate) fn gathered(
     media: [Medium; 2],
     place: Place,
     counters: &mut Counters,
-) -> [Rgb; LIGHT_CLASSES] {
+) -> Gathered {
     let r = map.radius(scene, context.p, place.spread);
     let inv_r2 = 1.0 / (r * r);
     // Events that a photon may have had, so that the whole path keeps the cap.
     let most = scene.max_depth.map_or(u32::MAX, |cap| cap.saturating_sub(place.depth + 1));
-    let mut sums = [Rgb::BLACK; LIGHT_CLASSES];
-    map.within(context.p, r, &mut |photon, d2| {
+    let (mut sums, mut widening) = ([Rgb::BLACK; LIGHT_CLASSES], Rgb::BLACK);
+    let wider = place.widened > 0.0;
+    map.within(context.p, if wider { 2.0 * r } else { r }, &mut |photon, d2| {
         counters.gathered += 1;
         if photon.ng.dot(context.ng) < SAME_SURFACE
             || photon.bounces > most
@@ -190,15 +200,23 @@ pub(in crate::integrate) fn gathered(
         }
         let value = scatter::f_and_pdf(scene.simulates, bsdf, frame, photon.wi, Transport::Radiance);
         let Some((f, _)) = value else { return };
-        let mut light = f * photon.power * (cosine_ratio(photon, frame.ns()) * (1.0 - d2 * inv_r2));
+        let mut light = f * photon.power * cosine_ratio(photon, frame.ns());
         if scene.simulates.has(Effect::Absorption)
             && let Some(medium) = media[usize::from(context.crosses(photon.wi))].absorbs
         {
             light *= interior(scene, medium, photon.inside);
         }
-        sums[usize::from(photon.class)] += light;
+        let x = d2 * inv_r2;
+        let own = 1.0 - x;
+        if own >= 0.0 {
+            sums[usize::from(photon.class)] += light * own;
+        }
+        if wider {
+            widening += light * (0.25 * (1.0 - 0.25 * x) - own.max(0.0));
+        }
     });
-    sums.map(|sum| sum * (2.0 * INV_PI * inv_r2))
+    let scale = 2.0 * INV_PI * inv_r2;
+    Gathered { by_class: sums.map(|sum| sum * scale), widening: widening * (scale * place.widened) }
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ mod second;
 mod splat;
 mod trace;
 
-pub(super) use map::{PhotonMap, Place, gathered};
+pub(super) use map::{Gathered, PhotonMap, Place, gathered};
 pub(super) use second::{Second, Seen};
 pub(super) use splat::Splat;
 pub(super) use trace::Photon;
@@ -44,7 +44,7 @@ use super::path::Counters;
 use crate::film::LightLayer;
 use crate::light::SphereLight;
 use crate::prepare::{Casting, Caustics, Indirect, Photons, Prepared};
-use crate::sampling::{Address, PhotonUse};
+use crate::sampling::{Address, PhotonUse, Purpose};
 
 /// Photons of a pass, at most: what bounds the memory of a map to 70 MiB.
 const MOST_PHOTONS: u64 = 1 << 20;
@@ -98,6 +98,18 @@ impl Radius {
     }
 }
 
+/// Samples of which one looks at wider disks too, in a picture of so many pixels: what pixels say of the bias of a map
+/// together is the surer the more there are, and the square of that bias goes with the root of their number. Wider disks
+/// hold four times the photons.
+pub(super) fn of_widened(pixels: u64) -> u32 {
+    ((pixels.isqrt() / 16) as u32).clamp(1, 64)
+}
+
+/// Whether paths through a scene gather photons.
+pub(super) fn gathers(scene: &Prepared) -> bool {
+    Tracer::new(scene, [0, 0, 1, 1]).is_some_and(|t| t.gathers())
+}
+
 /// Traces the photons of passes.
 pub(super) struct Tracer<'a> {
     scene: &'a Prepared,
@@ -105,6 +117,8 @@ pub(super) struct Tracer<'a> {
     crop: [u32; 4],
     /// Photons of a pass that look for caustics, and that look for indirect light.
     counts: [u32; 2],
+    /// See [`Maps`].
+    of_widened: u32,
 }
 
 /// What some of the photons of a pass brought.
@@ -123,6 +137,16 @@ pub(super) struct Maps {
     pub(super) caustics: Option<PhotonMap>,
     /// Of all that had an event, but what `caustics` holds.
     pub(super) indirect: Option<PhotonMap>,
+    /// Samples of which one looks at wider disks too; zero where none does.
+    of_widened: u32,
+}
+
+impl Maps {
+    /// How often what wider disks show counts for the sample of an address: none for most.
+    pub(super) fn widened(&self, address: &Address) -> f32 {
+        let n = self.of_widened as f32;
+        if n > 0.0 && address.block(0, Purpose::Widening, 0, 0)[0] * n < 1.0 { n } else { 0.0 }
+    }
 }
 
 impl<'a> Tracer<'a> {
@@ -135,13 +159,14 @@ impl<'a> Tracer<'a> {
             Indirect::Photon => pixels.div_ceil(INDIRECT_PIXELS).min(MOST_INDIRECT) as u32,
         };
         let photons = scene.photons().filter(|_| caustics > 0 || indirect > 0)?;
-        Some(Self { scene, photons, crop, counts: [caustics, indirect] })
+        let of_widened = of_widened(pixels);
+        Some(Self { scene, photons, crop, counts: [caustics, indirect], of_widened })
     }
 
-    /// With so many photons in a pass that look for caustics.
+    /// With so many photons in a pass that look for caustics, and without wider disks.
     pub(super) fn with(self, photons: u32) -> Self {
         let [caustics, indirect] = self.counts;
-        Self { counts: [if caustics > 0 { photons.max(1) } else { 0 }, indirect], ..self }
+        Self { counts: [if caustics > 0 { photons.max(1) } else { 0 }, indirect], of_widened: 0, ..self }
     }
 
     /// Parts that the photons of a pass are traced in.
@@ -228,6 +253,7 @@ impl<'a> Tracer<'a> {
             caustics: self.maps_caustics().then(|| PhotonMap::new(photons(LightLayer::Caustic), scale, None)),
             indirect: (self.counts[1] > 0)
                 .then(|| PhotonMap::new(photons(LightLayer::Indirect), scale, Some(fixed))),
+            of_widened: self.of_widened,
         }
     }
 }
