@@ -90,7 +90,7 @@ fn given_up(report: &CostReport, words: &Words<'_>) -> String {
         };
         let worth = match m.until {
             Until::Seconds { error, .. } => format!("; worth it for errors above {}", percent(error)),
-            _ => "; worth it as far as was measured".into(),
+            _ => "; what it lacks did not show in what was measured".into(),
         };
         format!(
             "<li><span class=\"name\">{}</span> <span class=\"number\">{}</span><span class=\"what\">{}{}{}</span></li>\n",

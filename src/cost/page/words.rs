@@ -88,9 +88,9 @@ impl<'a> Words<'a> {
     fn dearest(&self) -> Option<String> {
         let (share, m) = self.shares().into_iter().find(|(share, m)| *share >= 0.05 && m.differs())?;
         Some(format!(
-            "*{}* costs {} of that: without, the picture takes {} to as little noise, and {}.",
-            capital(&m.gives_up),
+            "{} of that goes into *{}*: without, the picture takes {} to as little noise, and {}.",
             percent(share),
+            m.gives_up,
             self.time(m.price(MAIN)?.seconds.value),
             becomes(m),
         ))
