@@ -21,7 +21,7 @@
 //! path lights one pixel. Where a photon lights several, the variance is that many times larger as [`Squares::together`]
 //! says.
 //!
-//! *Photon maps* have a bias, which no noise shows. What narrower disks would change does ([`MapBias`]); its square is
+//! *Photon maps* have a bias, which no noise shows. What wider disks would change does ([`MapBias`]); its square is
 //! added to that of the noise, and so are the squares of what both may be off by.
 //!
 //! *Where it ends.* Half of the replications has to say what R is. Above an E of a quarter it cannot: pixels that no
