@@ -11,8 +11,8 @@ pub(super) struct AlgorithmArgs {
     /// caustics=photon (photons from the lights) or caustics=auto; indirect=photon (where a path is spread for the second
     /// time, but on rough metal and glass, it ends, and photons say what light arrives there) or indirect=path;
     /// light-samples=N (at the first hit that spreads light); split=N (ways on where the camera sees a mirror or clear
-    /// glass first); roulette=N (scattering events before it starts) [default: a pilot decides from 64 samples on; below it is caustics=path unless only photons
-    /// find the light, light-samples=1, split=1, roulette=4; indirect=path]
+    /// glass first); roulette=N (scattering events before it starts) [default: a pilot decides from 64 samples on; below it
+    /// is caustics=path unless only photons find the light, light-samples=1, split=1, roulette=4; indirect=path]
     #[arg(long, value_name = "NAME=VALUE", value_parser = one)]
     pub(super) algorithm: Vec<One>,
 

@@ -54,11 +54,12 @@ impl DoubtJson {
 
 /// A doubt for people; `lights` are the names of the lights that are told apart.
 pub(super) fn words(doubt: &Doubt, lights: &[String]) -> String {
+    let of = |light| name(light, lights).map_or(String::new(), |name| format!(" from {name}"));
     match *doubt {
         Doubt::TooNoisy => "too noisy to say".to_owned(),
         Doubt::FewPixels { carry } => format!("{carry:.0} pixels carry it"),
         Doubt::LightNotFound { pixels: [x0, y0, x1, y1], share, light, caustic } => {
-            let from = name(light, lights).map_or(String::new(), |name| format!(" from {name}"));
+            let from = of(light);
             let way = if caustic { " by way of mirrors or glass" } else { "" };
             let place = format!("to pixels {x0}..{x1},{y0}..{y1}");
             if share.is_finite() {
@@ -69,7 +70,7 @@ pub(super) fn words(doubt: &Doubt, lights: &[String]) -> String {
             }
         }
         Doubt::LightNotReached { share, light } => {
-            let from = name(Some(light), lights).map_or(String::new(), |name| format!(" from {name}"));
+            let from = of(Some(light));
             let most = match share {
                 s if s < 3.0 => format!("{} of", show_share(s)),
                 s => format!("{s:.0} times"),

@@ -172,16 +172,17 @@ impl Film {
         let cross = self.cross.as_ref()?;
         let samples: f64 = self.counts.iter().map(|&n| f64::from(n)).sum();
         let [one, two] = blocked_formats();
-        let whole: f64 = self.shown().iter().map(|s| s.luminance).sum();
-        let mean = whole / (self.pixels() as f64 * f64::from(self.layout.radiance.scale()));
-        let share = |light: usize| {
+        // The most that the picture may lack, over the scale of the film.
+        let bound = |light: usize| {
             let [sum, squares] = cross.blocked[light];
             let (sum, squares) = (one.mean(sum, 1), two.mean(squares, 1));
-            (sum > 0.0).then(|| OF_NONE * squares / (sum * samples) / mean)
+            (sum > 0.0).then(|| OF_NONE * squares / (sum * samples))
         };
         let blocked = (0..LIGHTS_APART).filter(|&l| !cross.reached(l));
-        let found = blocked.filter_map(|l| Some((share(l)?, l as u8))).max_by(|a, b| a.0.total_cmp(&b.0));
-        let (share, light) = found?;
+        let found = blocked.filter_map(|l| Some((bound(l)?, l as u8))).max_by(|a, b| a.0.total_cmp(&b.0));
+        let (bound, light) = found?;
+        let whole: f64 = self.shown().iter().map(|s| s.luminance).sum();
+        let share = bound / (whole / (self.pixels() as f64 * f64::from(self.layout.radiance.scale())));
         let bearable = error.min(ErrorEstimate::NOISIEST);
         (share > MATERIAL * bearable).then_some(Doubt::LightNotReached { share, light })
     }

@@ -4,7 +4,8 @@
 //! mean. The invariant: sums are integers, and integer addition is associative, so any split of the
 //! samples over threads, tiles, pass ranges, restarts and machines gives the same bytes.
 //!
-//! Memory: three `i128` and one `u32` for each pixel and replication, about 200 bytes a pixel.
+//! Memory: three `i128` and one `u32` for each pixel and replication, about 200 bytes a pixel; one `i128` more where
+//! photon maps are gathered from.
 
 mod cross;
 mod doubt;

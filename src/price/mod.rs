@@ -30,7 +30,7 @@ use crate::film::{Image, LightLayer};
 use crate::integrate::{self, Control, RenderOptions, RunError};
 use crate::math::{fnv1a, mix64};
 use crate::pilot::{self, Asked};
-use crate::prepare::{self, Options, Plan, Shortcut, prepare};
+use crate::prepare::{self, Options, Plan, PrepareError, Prepared, Shortcut};
 use crate::scene::Scene;
 use crate::stats::{Interval, luminance};
 
@@ -210,15 +210,22 @@ impl Runs<'_> {
         })
     }
 
+    /// The scene, ready for the small picture that `options` ask for.
+    fn prepare(&self, options: &Options) -> Result<Prepared, PrepareError> {
+        if !self.budget.pilot {
+            return prepare::prepare(self.scene, options);
+        }
+        let picture = Options { size: self.size, ..options.clone() };
+        let asked = Asked { threads: self.budget.threads, ..Asked::default() };
+        let mut prepared = pilot::prepare(self.scene, &picture, &asked)?;
+        let small = Options { algorithms: prepared.plan.algorithms(), ..options.clone() };
+        let plan = prepare::plan(self.scene, &small)?;
+        prepared.revise(self.scene, &small, plan)?;
+        Ok(prepared)
+    }
+
     fn render(&self, options: &Options) -> Result<Rendered, RunError> {
-        let algorithms = if self.budget.pilot {
-            let picture = Options { size: self.size, ..options.clone() };
-            let asked = Asked { threads: self.budget.threads, ..Asked::default() };
-            pilot::plan(self.scene, &picture, &asked)?.algorithms()
-        } else {
-            options.algorithms
-        };
-        let mut prepared = prepare(self.scene, &Options { algorithms, ..options.clone() })?;
+        let mut prepared = self.prepare(options)?;
         let how = RenderOptions {
             threads: self.budget.threads,
             layers: true,

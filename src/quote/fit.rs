@@ -10,7 +10,7 @@
 /// Exponents of n.
 const POWERS: [f64; 2] = [1.0, 1.5];
 
-/// The exponent of n with which the square of a bias falls that goes with the radius: the mean of r^2 as of n^(-1/3).
+/// The exponent of n with which the square of a bias falls that goes with the radius, since r^2 falls so.
 const POWER_OF_BIAS: f64 = 1.0 / 3.0;
 
 /// E^2 as a function of n.

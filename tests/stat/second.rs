@@ -165,17 +165,22 @@ fn file(text: &str) -> Scene {
     valid(&parse_toml(text).expect("a scene").0)
 }
 
+/// What a light that is told apart is called.
+fn called(scene: &Scene, light: u8) -> String {
+    let prepared = prepare(scene, &options([64, 64], 0, None)).expect("a camera");
+    prepared.lights_apart()[usize::from(light)].clone()
+}
+
 /// Guards what the second opinion is for: light behind a pinhole, which no path finds, is missed, and it is
 /// known which.
 #[test]
 fn a_pinhole_is_noticed() {
     let scene = file(include_str!("../../fixtures/text/pinhole.toml"));
-    let prepared = prepare(&scene, &options([64, 64], 0, None)).expect("a camera");
     for run in 0..2 {
         match doubt(&scene, seed("pinhole") ^ run, CausticsMode::Path, 64) {
             Some(Doubt::LightNotFound { share, light: Some(light), caustic: false, .. }) => {
                 assert!(share > 0.05, "{share}");
-                assert_eq!(prepared.lights_apart()[usize::from(light)], "light \"lamp\"");
+                assert_eq!(called(&scene, light), "light \"lamp\"");
             }
             other => panic!("{other:?}"),
         }
@@ -184,22 +189,21 @@ fn a_pinhole_is_noticed() {
 
 /// Guards the bound of light that neither paths nor photons find, behind a hole of a tenth of a millimetre: the truth
 /// is a tenth of the picture, and known to be below some hundred times it. And that a lamp as bright as the rest is no
-/// reason to doubt there: its bound is a millionth of that of the one which is ten million times as bright.
+/// reason to doubt there: its bound is a ten-millionth of the other one.
 #[test]
 fn light_that_nobody_finds_is_doubted() {
-    let scene = file(include_str!("../../fixtures/misleading/pinhole.toml"));
-    let prepared = prepare(&scene, &options([64, 64], 0, None)).expect("a camera");
+    let text = include_str!("../../fixtures/misleading/pinhole.toml");
+    let scene = file(text);
     for run in 0..2 {
         match doubt(&scene, seed("nobody") ^ run, CausticsMode::Path, 32) {
             Some(Doubt::LightNotReached { share, light }) => {
                 assert!(share > 0.1 && share < 1e4, "{share}");
-                assert_eq!(prepared.lights_apart()[usize::from(light)], "light \"lamp\"");
+                assert_eq!(called(&scene, light), "light \"lamp\"");
             }
             other => panic!("{other:?}"),
         }
     }
     let bright = "[6.88e15, 6.88e15, 6.88e15]";
-    let text = include_str!("../../fixtures/misleading/pinhole.toml");
     assert!(text.contains(bright));
     let faint = file(&text.replace(bright, "[6.88e8, 6.88e8, 6.88e8]"));
     assert_eq!(doubt(&faint, seed("faint"), CausticsMode::Path, 32), None);
