@@ -20,7 +20,7 @@ use super::{Code, load, render};
 use crate::integrate::RenderOptions;
 use crate::pilot::{self as pilots, Asked};
 use crate::prepare::{Caustics, CausticsMode, Prepared};
-use crate::quote::{EffectShare, Pilot, Quote, RAYS, pilot};
+use crate::quote::{EffectShare, Length, Pilot, Quote, RAYS, pilot};
 use crate::scene::{Camera, Scene};
 
 /// Errors that are quoted where none is asked for.
@@ -71,7 +71,7 @@ pub(super) struct QuoteArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
 
-    /// Rays that the pilot may take; more of them narrow the intervals
+    /// Rays that the pilot takes, about; up to four times as many where the quote would not be within 30 %, or not clear
     #[arg(long, value_name = "N", default_value_t = RAYS, value_parser = clap::value_parser!(u64).range(1..))]
     rays: u64,
 
@@ -141,20 +141,21 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
     let loaded = load::load(&args.scene)?;
     let camera = render::camera(&loaded.scene, args.camera.as_deref())?;
     let stop = Stop::listen();
-    let look = |prepared: &Prepared, rays: u64| -> Result<Pilot, Failure> {
+    let look = |prepared: &Prepared, length: Length| -> Result<Pilot, Failure> {
         let options = RenderOptions { threads: args.threads, ..RenderOptions::passes(0..1) };
-        pilot(prepared, &options, rays, &stop).map_err(|e| Failure::usage(e.to_string()))
+        pilot(prepared, &options, length, &stop).map_err(|e| Failure::usage(e.to_string()))
     };
     let asked = args.algorithms.meant();
     let prepared = prepare(&loaded.scene, camera, args, None)?;
-    let pilot = look(&prepared, args.rays)?;
     let advised = args.error.last().copied().unwrap_or(ADVISED);
+    let pilot = look(&prepared, Length { rays: args.rays, narrow: Some(advised) })?;
     let mut alternatives = Vec::new();
     for other in Other::worth_a_try(&prepared.plan, asked, &pilot) {
         let prepared = prepare(&loaded.scene, camera, args, Some(other))?;
         // The plan has no photons where nothing throws light.
         if !matches!(other, Other::Photons) || prepared.plan.caustics != Caustics::Path {
-            let quote = look(&prepared, args.rays / OVER_ALTERNATIVE)?.quote(advised);
+            let length = Length { rays: args.rays / OVER_ALTERNATIVE, narrow: None };
+            let quote = look(&prepared, length)?.quote(advised);
             alternatives.push(Alternative { other, quote });
         }
     }

@@ -4,7 +4,7 @@ use super::measure::Observer;
 use crate::film::{ErrorEstimate, Film, Image};
 use crate::integrate::{Control, Counters, Progress, RenderOptions, RunError, layout, render_onto};
 use crate::prepare::Prepared;
-use crate::quote::{self, Pilot};
+use crate::quote::{self, Length, Pilot};
 use crate::stats;
 
 /// How far the whole measurement is, in units of work that were estimated beforehand.
@@ -91,7 +91,8 @@ impl Work<'_> {
     /// The pilot of a quote that takes about so many rays.
     pub(super) fn pilot(&self, prepared: &Prepared, rays: u64) -> Result<Pilot, RunError> {
         let options = RenderOptions { threads: self.threads, ..RenderOptions::passes(0..0) };
-        let pilot = quote::pilot(prepared, &options, rays, &Step { work: self, span: 0.0 })?;
+        let length = Length { rays, narrow: None };
+        let pilot = quote::pilot(prepared, &options, length, &Step { work: self, span: 0.0 })?;
         if self.observer.cancelled() { Err(RunError::Cancelled) } else { Ok(pilot) }
     }
 

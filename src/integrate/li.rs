@@ -5,6 +5,9 @@
 //! unless asked for: paths end by roulette. The walk is a loop over [`step`], so that paths could as
 //! well be advanced side by side.
 //!
+//! Where the camera sees clear glass, and in mirrors and glass what lies beyond, paths take both ways on, each with its
+//! share of the light ([`Split`]): which one is taken is no matter of chance that would make noise.
+//!
 //! Two choices of the plan make one sample of more than one: at the first vertex that spreads light, several samples
 //! of lights (of the same density, so that n of them weigh as one of n times the density; Veach, thesis, section
 //! 9.2), and where the first thing that the camera sees is a mirror or clear glass, several ways on from there.
@@ -17,9 +20,10 @@ use glam::Vec3;
 use super::direct::direct_light;
 use super::path::{Counters, FAR_CAP, NOWHERE, Parts, PathState, Sampled};
 use super::photon::{Maps, Place, gathered};
+use super::split::Split;
 use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
-use crate::bsdf::{Bsdf, Transport};
+use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::light::LightContext;
 use crate::mutants::planted;
@@ -67,10 +71,12 @@ fn walk<const FX: u32, const LAYERS: bool>(
 ) -> (Rgb, Parts) {
     let mut path = PathState::new(scene, ray);
     path.widened = maps.map_or(0.0, |m| m.widened(&address));
+    let mut split = Split::default();
     loop {
-        match step::<FX, LAYERS>(scene, maps, &address, None, &mut path, counters) {
+        match step::<FX, LAYERS>(scene, maps, &address, None, &mut path, &mut split, counters) {
             Next::Continue => {}
             Next::Fork(hit) => return ways::<FX>(scene, maps, address, &path, hit, counters),
+            Next::Done if split.go_on(&mut path) => {}
             Next::Done => return (path.radiance, path.parts),
         }
     }
@@ -91,8 +97,12 @@ fn ways<const FX: u32>(
     let (mut radiance, mut parts) = (Rgb::BLACK, Parts::default());
     for j in 0..n {
         let mut path = PathState { forks: false, ..arrived.clone() };
-        let (address, mut at) = (address.split(n, j), Some(hit));
-        while let Next::Continue = step::<FX, true>(scene, maps, &address, at.take(), &mut path, counters) {}
+        let (address, mut at, mut split) = (address.split(n, j), Some(hit), Split::default());
+        while matches!(
+            step::<FX, true>(scene, maps, &address, at.take(), &mut path, &mut split, counters),
+            Next::Continue
+        ) || split.go_on(&mut path)
+        {}
         radiance += path.radiance;
         parts.layers.iter_mut().zip(path.parts.layers).for_each(|(sum, part)| *sum += part);
         parts.widening += path.parts.widening;
@@ -111,6 +121,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     address: &Address,
     at: Option<Hit>,
     path: &mut PathState,
+    split: &mut Split,
     counters: &mut Counters,
 ) -> Next {
     let fx = scene.simulated::<FX>();
@@ -204,6 +215,16 @@ fn step<const FX: u32, const LAYERS: bool>(
         None if fx.has(Effect::Absorption) => medium_beyond(scene, path.medium, material, &context),
         None => path.medium,
     };
+    // One of two ways that have been split ends by chance, once what it meets has been seen.
+    if path.share < 1.0 && !bsdf.is_delta() {
+        path.eta_scale *= path.share;
+        path.share = 1.0;
+        let u = address.block(path.depth, Purpose::Light, path.branch(), 0);
+        match roulette::survive(path.beta, path.eta_scale, 0, 0, u[3]) {
+            Some(scale) => path.beta *= scale,
+            None => return Next::Done,
+        }
+    }
     // What photons supply is not sampled here either.
     let left = prepared.narrow && path.spread > 0 && path.caustics.by_photons(path.linked);
     // What would be spread once more counts for nothing where indirect light is left out.
@@ -216,7 +237,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         let media = [path.medium, beyond];
         let samples = if path.spread == 0 { scene.plan.light_samples } else { 1 };
         let before = counters.rays;
-        let u = || address.block(path.depth, Purpose::Light, 0, 0);
+        let u = || address.block(path.depth, Purpose::Light, path.branch(), 0);
         let narrow = prepared.narrow;
         if samples > 1 {
             lights = samples as f32;
@@ -250,29 +271,38 @@ fn step<const FX: u32, const LAYERS: bool>(
     }
 
     // Continue the path in a direction chosen by the BSDF.
-    let u = address.block(path.depth, Purpose::Bsdf, 0, 0);
-    let Some((wi, sample)) = scatter::sample(fx, bsdf, &frame, [u[0], u[1], u[2]], Transport::Radiance)
-    else {
+    let u = address.block(path.depth, Purpose::Bsdf, path.branch(), 0);
+    let leave = |path: &mut PathState, wi: Vec3, sample: &BsdfSample| {
+        path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
+        path.eta_scale *= sample.eta * sample.eta;
+        if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
+            path.medium = beyond;
+        }
+        let thrown = sample.delta || prepared.narrow;
+        path.linked &= if path.depth == 0 { !thrown } else { thrown || path.thrown };
+        path.through |= path.depth == 0 && thrown;
+        path.spread += u32::from(!thrown);
+        path.thrown = thrown;
+        path.supplied = ends && !thrown;
+        path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf, lights });
+        path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
+        path.from = leaving;
+        path.depth += 1;
+    };
+    let splits = fx.has(Effect::Refraction) || fx.has(Effect::Glossy);
+    let both = if splits && path.spread == 0 && bsdf.is_delta() {
+        split.both(path, fx, bsdf, &frame, leave)
+    } else {
+        None
+    };
+    let one = || scatter::sample(fx, bsdf, &frame, [u[0], u[1], u[2]], Transport::Radiance);
+    let Some((wi, sample)) = both.or_else(one) else {
         return Next::Done;
     };
     if over && !sample.delta {
         return Next::Done;
     }
-    path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
-    path.eta_scale *= sample.eta * sample.eta;
-    if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
-        path.medium = beyond;
-    }
-    let thrown = sample.delta || prepared.narrow;
-    path.linked &= if path.depth == 0 { !thrown } else { thrown || path.thrown };
-    path.through |= path.depth == 0 && thrown;
-    path.spread += u32::from(!thrown);
-    path.thrown = thrown;
-    path.supplied = ends && !thrown;
-    path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf, lights });
-    path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
-    path.from = leaving;
-    path.depth += 1;
+    leave(path, wi, &sample);
 
     // Roulette on throughput, corrected for what refraction will give back.
     match roulette::survive(path.beta, path.eta_scale, path.depth, scene.plan.roulette, u[3]) {
@@ -331,7 +361,7 @@ fn many_lights<const FX: u32>(
     let share = 1.0 / n;
     let mut sum = Rgb::BLACK;
     for j in 0..samples {
-        let u = address.split(samples, j).block(path.depth, Purpose::Light, 0, 0);
+        let u = address.split(samples, j).block(path.depth, Purpose::Light, path.branch(), 0);
         if let Some(lit) = direct_light::<FX>(scene, bsdf, frame, context, media, u, n, counters) {
             path.count_lit(scene, narrow, path.beta * lit.radiance * share, &lit, counters);
             if lit.arrives {

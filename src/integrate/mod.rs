@@ -19,6 +19,7 @@ mod render;
 pub mod report;
 mod roulette;
 mod scatter;
+mod split;
 
 pub(crate) use direct::mis_weight;
 pub use drive::is_looked_at;

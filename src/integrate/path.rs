@@ -98,12 +98,17 @@ pub(super) struct PathState {
     pub(super) sampled: Option<Sampled>,
     /// What the path is in.
     pub(super) medium: Medium,
-    /// Product of eta^2: what refractions have taken from `beta` and will give back.
+    /// Product of eta^2: what refractions have taken from `beta` and will give back; over `share`, so that roulette sees
+    /// what has been lost since a way was split off.
     pub(super) eta_scale: f32,
     /// How often what wider disks would show counts, of which few paths look: zero for most.
     pub(super) widened: f32,
     /// Whether it goes on in several ways where what it meets first is a mirror or clear glass.
     pub(super) forks: bool,
+    /// Which of both ways it took at each surface where it could be split, in binary after a leading one.
+    pub(super) turns: u32,
+    /// What the lesser of two ways carried when it was split off, until it meets what spreads light; one for others.
+    pub(super) share: f32,
 }
 
 impl PathState {
@@ -127,7 +132,15 @@ impl PathState {
             caustics: scene.plan.caustics,
             widened: 0.0,
             forks: scene.plan.split > 1,
+            turns: 1,
+            share: 1.0,
         }
+    }
+
+    /// Branch of the numbers that the path draws: its own, so that both ways on from a surface are independent.
+    #[inline(always)]
+    pub(super) fn branch(&self) -> u32 {
+        self.turns - 1
     }
 
     /// Whether light that the path meets now is a caustic: its last event had no spread, or a narrow one; an earlier

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
-use crate::math;
+use crate::math::{self, ONE_MINUS_EPSILON};
 use crate::prepare::{Effect, Effects, Surface};
 
 /// The frame of a hit, and the outgoing direction in it.
@@ -66,6 +66,26 @@ pub(super) fn f_and_pdf(
     })
 }
 
+/// Both directions of a surface that has two delta lobes and nothing else, each weighted by its share of the energy, so that
+/// what they bring adds up; `None` where there are not two.
+pub(super) fn lobes(
+    fx: Effects,
+    bsdf: &Bsdf,
+    frame: &Frame,
+    transport: Transport,
+) -> Option<[(Vec3, BsdfSample); 2]> {
+    if !bsdf.transmits() {
+        return None;
+    }
+    let at = |u: f32| sample(fx, bsdf, frame, [u, 0.5, 0.5], transport);
+    let (first, last) = (at(0.0)?, at(ONE_MINUS_EPSILON)?);
+    let [p, q] = [&first, &last].map(|(_, s)| s.pdf);
+    // Lobes share out one number, so that the first and the last are all where their probabilities add up to one.
+    let all = p < 1.0 && q < 1.0 && (p + q - 1.0).abs() <= f32::EPSILON;
+    let shared = |(wi, s): (Vec3, BsdfSample)| (wi, BsdfSample { weight: s.weight * s.pdf, ..s });
+    (all && first.1.delta && last.1.delta).then(|| [first, last].map(shared))
+}
+
 /// A direction in world space.
 #[inline(always)]
 pub(super) fn sample(
@@ -84,4 +104,50 @@ pub(super) fn sample(
     }?;
     let wi = frame.frame.to_world(sample.wi).normalize();
     frame.consistent(wi, sample.wi).then_some((wi, sample))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::PrimitiveId;
+    use crate::bsdf::fresnel::Fresnel;
+    use crate::bsdf::{Diffuse, Glass, Mirror};
+    use crate::color::Rgb;
+
+    /// Guards that both lobes of glass share out all light, whichever side it comes from, and that there are not two where
+    /// all light is reflected, or where a material has other lobes.
+    #[test]
+    fn two_lobes_share_all_light() {
+        let tint = Rgb::new(1.0, 0.5, 0.25);
+        let glass = |thin| Bsdf::Glass(Glass { ior: 1.5, tint, thin, fresnel: Fresnel::Exact });
+        let surface = Surface {
+            p: Vec3::ZERO,
+            p_err: Vec3::ZERO,
+            ng: Vec3::Z,
+            ns: Vec3::Z,
+            id: PrimitiveId::NONE,
+            object: 0,
+        };
+        let all = Effects(u32::MAX);
+        let at = |bsdf: &Bsdf, cos: f32| {
+            let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            lobes(all, bsdf, &Frame::new(&surface, wo), Transport::Importance)
+        };
+        for cos in [1.0, 0.8, 0.1, -0.1, -0.75, -1.0] {
+            for thin in [false, true] {
+                let found = at(&glass(thin), cos);
+                let total = !thin && (-0.74..0.0).contains(&cos);
+                assert_eq!(found.is_none(), total, "{cos} {thin}");
+                let Some([(_, a), (_, b)]) = found else { continue };
+                assert!(a.wi.z * b.wi.z < 0.0);
+                assert!((a.weight.r + b.weight.r - 1.0).abs() < 1e-6);
+                // What is reflected has no tint.
+                assert!((a.weight.g + 2.0 * b.weight.g - 1.0).abs() < 1e-6, "{a:?} {b:?}");
+            }
+        }
+        let grey = Rgb::grey(0.5);
+        for other in [Bsdf::Mirror(Mirror { color: grey }), Bsdf::Diffuse(Diffuse { color: grey })] {
+            assert!(at(&other, 0.8).is_none());
+        }
+    }
 }

@@ -3,33 +3,21 @@
 //! In: bytes. Out: a file under its final name. The invariant: whatever goes wrong, the old file (or
 //! none) stands under that name, and no temporary file is left beside it.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::File;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::Path;
+
+use tempfile::{Builder, NamedTempFile};
 
 /// A file under a temporary name in the folder of its final one; dropped, it vanishes.
-struct Temporary {
-    path: PathBuf,
-    file: File,
-}
-
-impl Temporary {
-    fn beside(path: &Path) -> io::Result<Self> {
-        static COUNTER: AtomicU64 = AtomicU64::new(0);
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let n = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let path = path.with_file_name(format!(".{name}.{}-{n}.tmp", std::process::id()));
-        let file = OpenOptions::new().write(true).create_new(true).open(&path)?;
-        Ok(Self { path, file })
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        // After the rename there is nothing to remove; before it, a failure leaves nothing to report to.
-        let _ = fs::remove_file(&self.path);
-    }
+fn beside(path: &Path) -> io::Result<NamedTempFile> {
+    let prefix = format!(".{}.", path.file_name().unwrap_or_default().to_string_lossy());
+    let mut builder = Builder::new();
+    builder.prefix(&prefix).suffix(".tmp");
+    // Readable for others as every new file is, which temporary files are not.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder_of(path))
 }
 
 /// Writes `bytes` as the file `path`: a temporary name in the same folder, synchronised to the disk, then
@@ -38,10 +26,10 @@ impl Drop for Temporary {
 /// # Errors
 /// What the file system said; the old file is then untouched.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut temporary = Temporary::beside(path)?;
-    temporary.file.write_all(bytes)?;
-    temporary.file.sync_all()?;
-    fs::rename(&temporary.path, path)?;
+    let mut temporary = beside(path)?;
+    temporary.write_all(bytes)?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(path)?;
     // The rename itself survives a power cut once the folder is on the disk, where folders can be synchronised.
     if let Ok(folder) = File::open(folder_of(path)) {
         let _ = folder.sync_all();
@@ -55,7 +43,7 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// What the file system said.
 pub(super) fn probe(path: &Path) -> io::Result<()> {
-    Temporary::beside(path).map(drop)
+    beside(path).map(drop)
 }
 
 /// The folder that a file lies in; the current one where the path names none.
@@ -68,6 +56,8 @@ pub(super) fn folder_of(path: &Path) -> &Path {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {
@@ -87,6 +77,11 @@ mod tests {
         probe(&path).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"two");
         assert_eq!(names(folder.path()), ["a.txt"]);
+        // As readable as any other new file.
+        let other = folder.path().join("other");
+        fs::write(&other, b"").unwrap();
+        let of = |path: &Path| fs::metadata(path).unwrap().permissions();
+        assert_eq!(of(&path), of(&other));
     }
 
     /// Where the last step fails, the temporary file is gone again.

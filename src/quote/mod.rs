@@ -13,4 +13,4 @@ mod fit;
 mod pilot;
 
 pub use curve::{Curve, Forecast};
-pub use pilot::{EffectShare, Pilot, Quote, RAYS, pilot};
+pub use pilot::{EffectShare, Length, Pilot, Quote, RAYS, pilot};

@@ -1,7 +1,7 @@
 //! The first samples of a render, at some of its pixels.
 
 use std::ops::Range;
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::curve::{Curve, Forecast};
@@ -22,8 +22,10 @@ const PASSES: Range<u32> = 16..4096;
 const PARTS: u32 = 4;
 /// What a pass may take more or less later on, relative: 95 % of what was seen on a machine with nothing else to do.
 const CLOCK: f64 = 0.08;
-/// How many times as many passes a pilot takes where the error is not clear.
+/// How many times as many passes a pilot takes at most where the error is not clear, or its quote wide.
 const LONGER: u32 = 4;
+/// How wide the interval of a quote should be at most, to either side and relative.
+const WIDEST: f64 = 0.3;
 /// Pixels that carry the error of a pilot, at least, where it is clear.
 const FEWEST: f64 = 20.0;
 /// Passes that say how many rays one takes.
@@ -113,12 +115,18 @@ struct Notes<'a> {
     control: &'a dyn Control,
 }
 
+impl Notes<'_> {
+    fn curve(&self) -> MutexGuard<'_, Curve> {
+        self.curve.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 impl Control for Notes<'_> {
     fn committed(&self, film: &Film, passes: Range<u32>, _: Counters) {
         if is_looked_at(passes.end)
             && let Some(squares) = film.error_squares()
         {
-            self.curve.lock().unwrap_or_else(std::sync::PoisonError::into_inner).add(passes.end, &squares);
+            self.curve().add(passes.end, &squares);
         }
     }
 
@@ -127,15 +135,24 @@ impl Control for Notes<'_> {
     }
 }
 
-/// Renders some pixels of a picture for as many passes as so many rays allow, but for the least that a curve needs;
-/// `options` say which threads, and which part of the picture.
+/// How long a pilot is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Length {
+    /// Rays, about; where the error is not clear after them, it goes on, up to four times as long.
+    pub rays: u64,
+    /// An error of which the quote should be within 30 %: where it is not, the pilot goes on, too.
+    pub narrow: Option<f64>,
+}
+
+/// Renders some pixels of a picture for as many passes as the rays of its length allow, but for the least that a curve
+/// needs; `options` say which threads, and which part of the picture.
 ///
 /// # Errors
 /// As [`render_onto`].
 pub fn pilot(
     scene: &Prepared,
     options: &RenderOptions,
-    rays: u64,
+    length: Length,
     control: &dyn Control,
 ) -> Result<Pilot, RenderError> {
     let plain = RenderOptions { layers: false, layer_noise: false, features: false, ..options.clone() };
@@ -146,12 +163,12 @@ pub fn pilot(
     let options = RenderOptions { passes: 0..FIRST, every, time: None, error: None, ..plain };
     let film = Film::new(layout(scene, &options));
     let first = render_onto(scene, film, &options, &notes)?;
-    let affordable = rays.saturating_mul(u64::from(FIRST)) / first.counters.rays.max(1);
+    let affordable = length.rays.saturating_mul(u64::from(FIRST)) / first.counters.rays.max(1);
     let planned = (affordable.min(u64::from(PASSES.end)) as u32).max(PASSES.start) / FIRST * FIRST;
     let mut total = Spent::default();
     total.add(&first);
     let (mut film, mut passes) = (first.film, first.passes.end);
-    // Longer, by up to as much as LONGER says, where that much does not show what the picture converges to.
+    // Longer, by up to as much as LONGER says, where that much does not show what the picture converges to, or when.
     let mut asked = planned;
     let (error, threads) = loop {
         let options = RenderOptions { passes: passes..asked, ..options.clone() };
@@ -159,7 +176,8 @@ pub fn pilot(
         total.add(&more);
         (film, passes) = (more.film, more.passes.end);
         let error = film.error();
-        let clear = error.is_some_and(|e| is_clear(&e, every));
+        let clear = error.is_some_and(|e| is_clear(&e, every))
+            && length.narrow.is_none_or(|e| is_narrow(&notes.curve(), e));
         if clear || more.cancelled || asked >= (LONGER * planned).min(PASSES.end) {
             break (error, more.threads);
         }
@@ -169,7 +187,7 @@ pub fn pilot(
     let parts = RenderOptions { passes: 0..(passes / PARTS).max(PASSES.start), layer_noise: true, ..options };
     let parts = render_onto(scene, Film::new(layout(scene, &parts)), &parts, &StopOnly(control))?;
     Ok(Pilot {
-        curve: notes.curve.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner),
+        curve: notes.curve().clone(),
         error,
         every,
         passes,
@@ -187,6 +205,14 @@ fn is_clear(error: &ErrorEstimate, every: u32) -> bool {
     error.error <= ErrorEstimate::NOISIEST
         && carry >= FEWEST
         && carry * f64::from(every) >= ErrorEstimate::FEWEST_PIXELS
+}
+
+/// Whether the quote of an error is as narrow as quotes should be.
+fn is_narrow(curve: &Curve, error: f64) -> bool {
+    curve.forecast(error).is_some_and(|found| {
+        let [low, high] = found.interval.map(f64::from);
+        high - low <= 2.0 * WIDEST * f64::from(found.samples)
+    })
 }
 
 /// What renders took together.

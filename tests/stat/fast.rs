@@ -28,9 +28,9 @@ const ROUNDING: f64 = 4e-6;
 /// Cases in which few paths carry much of the light, and by how much more samples they need.
 fn effort(id: &str) -> u32 {
     match id {
-        _ if id == "O10 at 85 degrees" || id == "O13 impact 0.99" => 64,
-        _ if ["O02", "O03", "O10", "O14", "O16"].iter().any(|p| id.starts_with(p)) => 16,
-        _ if ["O09", "O12", "O13"].iter().any(|p| id.starts_with(p)) => 8,
+        "O10 at 85 degrees" => 64,
+        _ if ["O02", "O03", "O10", "O16"].iter().any(|p| id.starts_with(p)) => 16,
+        _ if ["O09", "O13"].iter().any(|p| id.starts_with(p)) => 8,
         _ if id.starts_with("furnace") && id.ends_with("roughness 1") => 8,
         _ => 1,
     }
@@ -51,7 +51,12 @@ fn check(case: &Case) -> Option<String> {
         difference / error
     );
     // Furnaces of rough lobes are as white as tables of albedos make them: interpolation adds up to 3e-4.
-    let rounding = if case.id.contains("roughness") { 5e-4 } else { ROUNDING };
+    let rounding = match &*case.id {
+        id if id.contains("roughness") => 5e-4,
+        // Close to the critical angle, and to grazing, reflectance goes as the root of what a cosine is off by.
+        id if id.starts_with("O13") || id.starts_with("O14") => 2e-5,
+        _ => ROUNDING,
+    };
     // Roulette ends most paths between mirrors, which leaves noise that the reference does not have.
     let tolerance = if case.id == "O16" { 0.008 } else { case.tolerance };
     let beyond_rounding = (difference.abs() - rounding * case.expected).max(0.0);

@@ -2,7 +2,7 @@
 
 use epsilux::integrate::{Quiet, RenderOptions, render};
 use epsilux::prepare::{Prepared, prepare};
-use epsilux::quote::{Pilot, pilot};
+use epsilux::quote::{Length, Pilot, pilot};
 use epsilux::scene::text::parse_toml;
 
 use crate::support::fast::options;
@@ -19,7 +19,8 @@ fn prepared(text: &str, side: u32, name: &str) -> Prepared {
 
 /// A pilot of about so many samples for each pixel that it renders.
 fn pilot_of(scene: &Prepared, rays: u64) -> Pilot {
-    pilot(scene, &RenderOptions { threads: 1, ..RenderOptions::passes(0..1) }, rays, &Quiet).expect("a pilot")
+    let options = RenderOptions { threads: 1, ..RenderOptions::passes(0..1) };
+    pilot(scene, &options, Length { rays, narrow: None }, &Quiet).expect("a pilot")
 }
 
 /// Guards quotes against the samples at which renders then stop, from pilots of two thirds of them at most: a mean within

@@ -72,7 +72,7 @@ cases! {
     Unseen "sphere-penumbra" "fixtures/golden/sphere-penumbra/scene.toml" PATHS, 0.03, 8192, 2048;
     Unseen "nested-glass-photons" "fixtures/golden/nested-glass/scene.toml" PHOTONS, 0.03, 2048, 12288;
     Unseen "drink" "scenes/drink.toml" PATHS, 0.1, 2048, 8192;
-    Unseen "hexroom-photons" "scenes/hexroom.toml" PHOTONS, 0.15, 2048, 8192;
+    Unseen "hexroom-photons" "scenes/hexroom.toml" PHOTONS, 0.03, 4096, 12288;
     Misleading "caustic-photons" "scenes/caustic.toml" PHOTONS, 0.03, 512, 16384;
     Unseen "edges@1%" "fixtures/golden/edges/scene.toml" PATHS, 0.01, 32768, 8192;
     Unseen "sphere-penumbra@1%" "fixtures/golden/sphere-penumbra/scene.toml" PATHS, 0.01, 32768, 8192;
