@@ -215,15 +215,17 @@ fn step<const FX: u32, const LAYERS: bool>(
         None if fx.has(Effect::Absorption) => medium_beyond(scene, path.medium, material, &context),
         None => path.medium,
     };
-    // One of two ways that have been split ends by chance, once what it meets has been seen.
+    // A way that carries little of a path that was split ends by chance, once what it meets has been seen.
     if path.share < 1.0 && !bsdf.is_delta() {
         path.eta_scale *= path.share;
-        path.share = 1.0;
-        let u = address.block(path.depth, Purpose::Light, path.branch(), 0);
-        match roulette::survive(path.beta, path.eta_scale, 0, 0, u[3]) {
-            Some(scale) => path.beta *= scale,
-            None => return Next::Done,
+        if path.share < 0.5 {
+            let u = address.block(path.depth, Purpose::Light, path.branch(), 0);
+            match roulette::survive(path.beta, path.eta_scale, 0, 0, u[3]) {
+                Some(scale) => path.beta *= scale,
+                None => return Next::Done,
+            }
         }
+        path.share = 1.0;
     }
     // What photons supply is not sampled here either.
     let left = prepared.narrow && path.spread > 0 && path.caustics.by_photons(path.linked);

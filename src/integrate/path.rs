@@ -107,7 +107,7 @@ pub(super) struct PathState {
     pub(super) forks: bool,
     /// Which of both ways it took at each surface where it could be split, in binary after a leading one.
     pub(super) turns: u32,
-    /// What the lesser of two ways carried when it was split off, until it meets what spreads light; one for others.
+    /// What a way carried when it was split off, until it meets what spreads light; one where nothing was split.
     pub(super) share: f32,
 }
 

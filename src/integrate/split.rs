@@ -6,8 +6,8 @@
 //! as its room makes a highlight on glass in which one sample in twenty-five would carry nearly all light. (Splitting; Arvo
 //! and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990.)
 //!
-//! The lesser way is followed up to what it meets first that spreads light, which shows it each lamp that it sees; whether
-//! it goes on from there is then decided by roulette, by what it carries. So it costs a few rays at most.
+//! Each way is followed up to what it meets first that spreads light, which shows it each lamp that it sees; whether one
+//! that carries little goes on from there is then decided by roulette. So the lesser way costs a few rays at most.
 
 use glam::Vec3;
 
@@ -45,7 +45,7 @@ impl Split {
             return None;
         }
         let [first, last] = lobes(fx, bsdf, frame, Transport::Radiance)?;
-        let [(greater, _), (lesser, least)] = {
+        let [(greater, most), (lesser, least)] = {
             let carries = |(_, s): &(Vec3, BsdfSample)| {
                 (path.beta * s.weight).max_channel() * path.eta_scale * s.eta * s.eta * path.share
             };
@@ -57,12 +57,11 @@ impl Split {
             return None;
         }
         path.turns <<= 1;
-        let mut other = PathState {
-            turns: path.turns | 1,
-            eta_scale: path.eta_scale * (path.share / least),
-            share: least,
-            ..path.clone()
-        };
+        let mut other = PathState { turns: path.turns | 1, ..path.clone() };
+        for (way, carries) in [(&mut *path, most), (&mut other, least)] {
+            way.eta_scale *= way.share / carries;
+            way.share = carries;
+        }
         leave(&mut other, lesser.0, &lesser.1);
         self.waiting.push(other);
         Some(greater)
