@@ -22,8 +22,10 @@ const PASSES: Range<u32> = 16..4096;
 const PARTS: u32 = 4;
 /// What a pass may take more or less later on, relative: 95 % of what was seen on a machine with nothing else to do.
 const CLOCK: f64 = 0.08;
-/// How many times as many passes a pilot takes at most where the error is not clear, or its quote wide.
+/// How many times as many rays a pilot takes at most where the error is not clear, or its quote wide.
 const LONGER: u32 = 4;
+/// A quote whose interval reaches to so many times its samples says nothing.
+const SAYS_NOTHING: u32 = 10;
 /// How wide the interval of a quote should be at most, to either side and relative.
 const WIDEST: f64 = 0.3;
 /// Pixels that carry the error of a pilot, at least, where it is clear.
@@ -87,10 +89,13 @@ impl Pilot {
         self.error.is_some_and(|e| is_clear(&e, self.every))
     }
 
-    /// What an error costs; `None` where the pilot does not say.
+    /// What an error costs; `None` where the pilot does not say, be it within a factor of ten.
     #[must_use]
     pub fn quote(&self, error: f64) -> Option<Quote> {
         let found = self.curve.forecast(error).filter(|_| self.is_clear())?;
+        if found.interval[1] / SAYS_NOTHING >= found.samples {
+            return None;
+        }
         Some(Quote::new(found, self.pass_seconds))
     }
 }
@@ -164,7 +169,9 @@ pub fn pilot(
     let film = Film::new(layout(scene, &options));
     let first = render_onto(scene, film, &options, &notes)?;
     let affordable = length.rays.saturating_mul(u64::from(FIRST)) / first.counters.rays.max(1);
-    let planned = (affordable.min(u64::from(PASSES.end)) as u32).max(PASSES.start) / FIRST * FIRST;
+    let within = |passes: u64| (passes.min(u64::from(PASSES.end)) as u32).max(PASSES.start) / FIRST * FIRST;
+    // Rays bound both: where a pass takes many, as one with photons of a large picture does, there is no going on.
+    let (planned, longest) = (within(affordable), within(affordable.saturating_mul(u64::from(LONGER))));
     let mut total = Spent::default();
     total.add(&first);
     let (mut film, mut passes) = (first.film, first.passes.end);
@@ -178,10 +185,10 @@ pub fn pilot(
         let error = film.error();
         let clear = error.is_some_and(|e| is_clear(&e, every))
             && length.narrow.is_none_or(|e| is_narrow(&notes.curve(), e));
-        if clear || more.cancelled || asked >= (LONGER * planned).min(PASSES.end) {
+        if clear || more.cancelled || asked >= longest {
             break (error, more.threads);
         }
-        asked = (2 * asked).min(PASSES.end);
+        asked = (2 * asked).min(longest);
     };
     // What layers are recorded with costs time, which a render does not take.
     let parts = RenderOptions { passes: 0..(passes / PARTS).max(PASSES.start), layer_noise: true, ..options };
