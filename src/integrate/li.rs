@@ -6,7 +6,7 @@
 //! well be advanced side by side.
 //!
 //! Where the camera sees clear glass, and in mirrors and glass what lies beyond, paths take both ways on, each with its
-//! share of the light ([`Split`]): which one is taken is no matter of chance that would make noise.
+//! share of the light ([`BothWays`]): which one is taken is no matter of chance that would make noise.
 //!
 //! Two choices of the plan make one sample of more than one: at the first vertex that spreads light, several samples
 //! of lights (of the same density, so that n of them weigh as one of n times the density; Veach, thesis, section
@@ -17,10 +17,10 @@
 
 use glam::Vec3;
 
+use super::both_ways::BothWays;
 use super::direct::direct_light;
-use super::path::{Counters, FAR_CAP, NOWHERE, Parts, PathState, Sampled};
+use super::path::{Counters, FAR_CAP, NOWHERE, Parts, PathState, Vertex};
 use super::photon::{Maps, Place, gathered};
-use super::split::Split;
 use super::{roulette, scatter};
 use crate::accel::{Hit, PrimitiveId, RayKind};
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
@@ -71,12 +71,12 @@ fn walk<const FX: u32, const LAYERS: bool>(
 ) -> (Rgb, Parts) {
     let mut path = PathState::new(scene, ray);
     path.widened = maps.map_or(0.0, |m| m.widened(&address));
-    let mut split = Split::default();
+    let mut both_ways = BothWays::default();
     loop {
-        match step::<FX, LAYERS>(scene, maps, &address, None, &mut path, &mut split, counters) {
+        match step::<FX, LAYERS>(scene, maps, &address, None, &mut path, &mut both_ways, counters) {
             Next::Continue => {}
             Next::Fork(hit) => return ways::<FX>(scene, maps, address, &path, hit, counters),
-            Next::Done if split.go_on(&mut path) => {}
+            Next::Done if takes_both_ways(scene.simulated::<FX>()) && both_ways.go_on(&mut path) => {}
             Next::Done => return (path.radiance, path.parts),
         }
     }
@@ -97,11 +97,11 @@ fn ways<const FX: u32>(
     let (mut radiance, mut parts) = (Rgb::BLACK, Parts::default());
     for j in 0..n {
         let mut path = PathState { forks: false, ..arrived.clone() };
-        let (address, mut at, mut split) = (address.split(n, j), Some(hit), Split::default());
+        let (address, mut at, mut both_ways) = (address.split(n, j), Some(hit), BothWays::default());
         while matches!(
-            step::<FX, true>(scene, maps, &address, at.take(), &mut path, &mut split, counters),
+            step::<FX, true>(scene, maps, &address, at.take(), &mut path, &mut both_ways, counters),
             Next::Continue
-        ) || split.go_on(&mut path)
+        ) || both_ways.go_on(&mut path)
         {}
         radiance += path.radiance;
         parts.layers.iter_mut().zip(path.parts.layers).for_each(|(sum, part)| *sum += part);
@@ -121,7 +121,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     address: &Address,
     at: Option<Hit>,
     path: &mut PathState,
-    split: &mut Split,
+    both_ways: &mut BothWays,
     counters: &mut Counters,
 ) -> Next {
     let fx = scene.simulated::<FX>();
@@ -215,11 +215,13 @@ fn step<const FX: u32, const LAYERS: bool>(
         None if fx.has(Effect::Absorption) => medium_beyond(scene, path.medium, material, &context),
         None => path.medium,
     };
-    // A way that carries little of a path that was split ends by chance, once what it meets has been seen.
-    if path.share < 1.0 && !bsdf.is_delta() {
+    let takes_both = takes_both_ways(fx);
+    let branch = if takes_both { path.branch() } else { 0 };
+    // One of both ways that carries little ends by chance, once what it meets has been seen.
+    if takes_both && path.share < 1.0 && !bsdf.is_delta() {
         path.eta_scale *= path.share;
         if path.share < 0.5 {
-            let u = address.block(path.depth, Purpose::Light, path.branch(), 0);
+            let u = address.block(path.depth, Purpose::Light, branch, 0);
             match roulette::survive(path.beta, path.eta_scale, 0, 0, u[3]) {
                 Some(scale) => path.beta *= scale,
                 None => return Next::Done,
@@ -239,7 +241,7 @@ fn step<const FX: u32, const LAYERS: bool>(
         let media = [path.medium, beyond];
         let samples = if path.spread == 0 { scene.plan.light_samples } else { 1 };
         let before = counters.rays;
-        let u = || address.block(path.depth, Purpose::Light, path.branch(), 0);
+        let u = || address.block(path.depth, Purpose::Light, branch, 0);
         let narrow = prepared.narrow;
         if samples > 1 {
             lights = samples as f32;
@@ -273,27 +275,12 @@ fn step<const FX: u32, const LAYERS: bool>(
     }
 
     // Continue the path in a direction chosen by the BSDF.
-    let u = address.block(path.depth, Purpose::Bsdf, path.branch(), 0);
-    let leave = |path: &mut PathState, wi: Vec3, sample: &BsdfSample| {
-        path.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
-        path.eta_scale *= sample.eta * sample.eta;
-        if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
-            path.medium = beyond;
-        }
-        let thrown = sample.delta || prepared.narrow;
-        path.linked &= if path.depth == 0 { !thrown } else { thrown || path.thrown };
-        path.through |= path.depth == 0 && thrown;
-        path.spread += u32::from(!thrown);
-        path.thrown = thrown;
-        path.supplied = ends && !thrown;
-        path.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf, lights });
-        path.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
-        path.from = leaving;
-        path.depth += 1;
-    };
-    let splits = fx.has(Effect::Refraction) || fx.has(Effect::Glossy);
-    let both = if splits && path.spread == 0 && bsdf.is_delta() {
-        split.both(path, fx, bsdf, &frame, leave)
+    let u = address.block(path.depth, Purpose::Bsdf, branch, 0);
+    let vertex =
+        Vertex { surface: &surface, context, beyond, ids: leaving, narrow: prepared.narrow, ends, lights };
+    let leave = |path: &mut PathState, wi: Vec3, sample: &BsdfSample| path.leave(fx, &vertex, wi, sample);
+    let both = if takes_both && path.spread == 0 && bsdf.is_delta() {
+        both_ways.take(path, fx, bsdf, &frame, leave)
     } else {
         None
     };
@@ -304,7 +291,7 @@ fn step<const FX: u32, const LAYERS: bool>(
     if over && !sample.delta {
         return Next::Done;
     }
-    leave(path, wi, &sample);
+    path.leave(fx, &vertex, wi, &sample);
 
     // Roulette on throughput, corrected for what refraction will give back.
     match roulette::survive(path.beta, path.eta_scale, path.depth, scene.plan.roulette, u[3]) {
@@ -398,6 +385,11 @@ fn gather(
         let found = gathered(scene, map, bsdf, frame, context, media, place, counters);
         path.gather(&found, &scene.kept, counters);
     }
+}
+
+/// Whether a path may take both ways on: smooth glass that textures vary is glossy to a plan.
+const fn takes_both_ways(fx: Effects) -> bool {
+    fx.has(Effect::Refraction) || fx.has(Effect::Glossy)
 }
 
 /// Whether textures or vertex colours may vary anything.

@@ -7,6 +7,7 @@
 //! `naive` is the slow, obvious oracle of the tests; `report` is
 //! the method of the student report that the project began with.
 
+mod both_ways;
 mod direct;
 mod drive;
 mod kernels;
@@ -19,7 +20,6 @@ mod render;
 pub mod report;
 mod roulette;
 mod scatter;
-mod split;
 
 pub(crate) use direct::mis_weight;
 pub use drive::is_looked_at;

@@ -4,15 +4,18 @@
 //! layers, and counters. Which way light came is known here alone: by the number of events, of those with a spread,
 //! and by whether the last one had none.
 
+use glam::Vec3;
+
 use super::direct::{Lit, mis_weight};
 use super::photon::Gathered;
 use crate::accel::PrimitiveId;
+use crate::bsdf::BsdfSample;
 use crate::color::Rgb;
 use crate::film::{Found, LightLayer, light_class};
 use crate::light::{LightContext, LightId};
 use crate::mutants::planted;
-use crate::prepare::{Caustics, Kept, Medium, Prepared, Way};
-use crate::shape::Ray;
+use crate::prepare::{Caustics, Effect, Effects, Kept, Medium, Prepared, Surface, Way};
+use crate::shape::{Ray, offset_origin};
 
 /// Scattering events, and surfaces passed, after which a path is cut although nothing asks for it. Only paths that lose
 /// nothing at all get here (a camera in a closed box of perfect mirrors); they are counted.
@@ -66,6 +69,22 @@ impl Sampled {
     }
 }
 
+/// A surface that a path leaves.
+pub(super) struct Vertex<'a> {
+    pub(super) surface: &'a Surface,
+    pub(super) context: LightContext,
+    /// The medium on its other side.
+    pub(super) beyond: Medium,
+    /// What the next ray leaves.
+    pub(super) ids: [PrimitiveId; 2],
+    /// Whether its material has none but delta and narrow lobes.
+    pub(super) narrow: bool,
+    /// Whether photons have brought what else arrives there, if it spreads the path.
+    pub(super) ends: bool,
+    /// Samples of lights that were taken there.
+    pub(super) lights: f32,
+}
+
 /// A path on its way.
 #[derive(Clone)]
 pub(super) struct PathState {
@@ -99,15 +118,15 @@ pub(super) struct PathState {
     /// What the path is in.
     pub(super) medium: Medium,
     /// Product of eta^2: what refractions have taken from `beta` and will give back; over `share`, so that roulette sees
-    /// what has been lost since a way was split off.
+    /// what has been lost since then.
     pub(super) eta_scale: f32,
     /// How often what wider disks would show counts, of which few paths look: zero for most.
     pub(super) widened: f32,
     /// Whether it goes on in several ways where what it meets first is a mirror or clear glass.
     pub(super) forks: bool,
-    /// Which of both ways it took at each surface where it could be split, in binary after a leading one.
+    /// Which way it is where paths have taken both, one bit for each time, after a leading one.
     pub(super) turns: u32,
-    /// What a way carried when it was split off, until it meets what spreads light; one where nothing was split.
+    /// What it carried where both ways were taken last, until it meets what spreads light; one elsewhere.
     pub(super) share: f32,
 }
 
@@ -141,6 +160,27 @@ impl PathState {
     #[inline(always)]
     pub(super) fn branch(&self) -> u32 {
         self.turns - 1
+    }
+
+    /// Goes on from a vertex in the direction `wi`, world space.
+    #[inline(always)]
+    pub(super) fn leave(&mut self, fx: Effects, vertex: &Vertex<'_>, wi: Vec3, sample: &BsdfSample) {
+        let &Vertex { surface, context, beyond, ids, narrow, ends, lights } = vertex;
+        self.beta *= planted!(bsdf_pdf(sample.weight, sample.delta));
+        self.eta_scale *= sample.eta * sample.eta;
+        if (fx.has(Effect::Absorption) || fx.has(Effect::Nesting)) && context.crosses(wi) {
+            self.medium = beyond;
+        }
+        let thrown = sample.delta || narrow;
+        self.linked &= if self.depth == 0 { !thrown } else { thrown || self.thrown };
+        self.through |= self.depth == 0 && thrown;
+        self.spread += u32::from(!thrown);
+        self.thrown = thrown;
+        self.supplied = ends && !thrown;
+        self.sampled = (!sample.delta).then_some(Sampled { context, pdf: sample.pdf, lights });
+        self.ray = Ray::new(offset_origin(surface.p, surface.p_err, surface.ng, wi), wi);
+        self.from = ids;
+        self.depth += 1;
     }
 
     /// Whether light that the path meets now is a caustic: its last event had no spread, or a narrow one; an earlier

@@ -1,6 +1,7 @@
 //! Both ways on at clear glass.
 //!
-//! In: a path that has met nothing but mirrors and clear glass since the camera, at a surface that reflects and refracts.
+//! In: a path that was never spread since the camera, only by mirrors, clear glass and what is nearly as smooth, at a
+//! surface that reflects and refracts.
 //! Out: the path on its greater way, and the lesser one, which waits. Each carries its share of the light, so that both
 //! together are the mean over a choice by chance, without the noise of that choice: a lamp that is fourteen times as bright
 //! as its room makes a highlight on glass in which one sample in twenty-five would carry nearly all light. (Splitting; Arvo
@@ -16,24 +17,25 @@ use super::scatter::{Frame, lobes};
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::prepare::Effects;
 
-/// What a way has to carry for the path to be split, in terms of what a path carries at the camera: below, chance costs less.
+/// What the lesser way has to carry for both to be taken, in terms of what a path carries at the camera: below, chance
+/// costs less.
 const LEAST: f32 = 0.03;
 
-/// How often a path may have been split. On seven scenes with glass more gained little where it gained anything, and
+/// How often a path may have taken both ways. On seven scenes with glass more gained little where it gained anything, and
 /// cost most where glass stands in glass.
 const MOST_TURNS: u32 = 2;
 
 /// The ways of a path that wait until the one before has ended.
 #[derive(Default)]
-pub(super) struct Split {
+pub(super) struct BothWays {
     waiting: Vec<PathState>,
 }
 
-impl Split {
-    /// The greater of two ways on, weighted by its share, where a path is to be split; the other one waits. `leave` sends
+impl BothWays {
+    /// The greater of two ways on, weighted by its share, where both are to be taken; the other one waits. `leave` sends
     /// a path on its way.
     #[inline(never)]
-    pub(super) fn both(
+    pub(super) fn take(
         &mut self,
         path: &mut PathState,
         fx: Effects,
