@@ -92,10 +92,8 @@ impl Pilot {
     /// What an error costs; `None` where the pilot does not say, be it within a factor of ten.
     #[must_use]
     pub fn quote(&self, error: f64) -> Option<Quote> {
-        let found = self.curve.forecast(error).filter(|_| self.is_clear())?;
-        if found.interval[1] / SAYS_NOTHING >= found.samples {
-            return None;
-        }
+        let says = |f: &Forecast| self.is_clear() && f.interval[1] / SAYS_NOTHING < f.samples;
+        let found = self.curve.forecast(error).filter(says)?;
         Some(Quote::new(found, self.pass_seconds))
     }
 }
@@ -194,7 +192,7 @@ pub fn pilot(
     let parts = RenderOptions { passes: 0..(passes / PARTS).max(PASSES.start), layer_noise: true, ..options };
     let parts = render_onto(scene, Film::new(layout(scene, &parts)), &parts, &StopOnly(control))?;
     Ok(Pilot {
-        curve: notes.curve().clone(),
+        curve: notes.curve.into_inner().unwrap_or_else(PoisonError::into_inner),
         error,
         every,
         passes,

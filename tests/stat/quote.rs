@@ -58,6 +58,27 @@ fn renders_stop_where_they_were_quoted_to() {
     assert!(held >= 15, "{held} of 18 intervals");
 }
 
+/// Guards how long a pilot is: it goes on for a quote that would be wide, but not beyond four times its rays, nor where
+/// these do not pay for the least that it takes. And that a quote far beyond what was seen is none.
+#[test]
+fn a_pilot_goes_on_for_a_wide_quote() {
+    let scene = prepared(SHEEN, 32, "a wide quote");
+    let options = RenderOptions { threads: 1, ..RenderOptions::passes(0..1) };
+    let of = |rays, narrow| pilot(&scene, &options, Length { rays, narrow }, &Quiet).expect("a pilot");
+    let least = of(1, Some(0.02));
+    assert_eq!(least.passes, 16);
+    let rays = least.rays + least.rays / 32;
+    let (plain, narrow) = (of(rays, None), of(rays, Some(0.02)));
+    assert_eq!(plain.passes, 16);
+    assert!((32..=64).contains(&narrow.passes), "{}", narrow.passes);
+    let width = |p: &Pilot| {
+        let [low, high] = p.curve.forecast(0.02).expect("points").interval;
+        f64::from(high) / f64::from(low)
+    };
+    assert!(width(&narrow) < width(&plain), "{} {}", width(&narrow), width(&plain));
+    assert!(plain.is_clear() && plain.quote(1e-4).is_none(), "{:?}", plain.quote(1e-4));
+}
+
 /// Guards that some of the pixels speak for all: the error of one pixel in four is that of the whole picture, within
 /// three times what both intervals allow.
 #[test]
