@@ -5,12 +5,18 @@
 //!
 //! Within the points, the line says how many samples an error takes. Beyond, the slope 1/2 of independent samples,
 //! or the end of the interval of s that is nearest to it: a slope is believed only as far as it is proved. The
-//! interval of the samples comes from the spread of E^2 over the seeds at the last point.
+//! interval of the samples comes from the spread of E^2 over the seeds at the last point. Where errors were not seen to
+//! fall there is no line to continue: rare light that few samples have met so far makes them grow, and most of it may
+//! be missing yet.
 
+use crate::film::ErrorEstimate;
 use crate::stats::{Interval, slope, student_quantile};
 
 /// Points at the end that the line goes through, at most.
 const LAST: usize = 5;
+
+/// Slopes below are proved to be no beginning of convergence.
+const SLOWEST: f64 = 0.25;
 
 /// A line through errors over samples, both as logarithms.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -61,20 +67,32 @@ impl Fit {
         })
     }
 
-    /// The error after so many samples, positive.
+    /// Whether the errors were seen to fall, so that the line goes on.
     #[must_use]
-    pub fn error(&self, samples: f64) -> f64 {
+    pub fn falls(&self) -> bool {
+        let begun = self.slope.low > 0.0 || self.last.value <= ErrorEstimate::NOISIEST;
+        begun && self.slope.high >= SLOWEST
+    }
+
+    /// The error after so many samples, positive; `None` beyond the points where errors were not seen to fall.
+    #[must_use]
+    pub fn error(&self, samples: f64) -> Option<f64> {
         let last = f64::from(self.over[1]);
         if samples <= last {
-            libm::exp(self.intercept - self.slope.value * libm::log(samples))
+            Some(libm::exp(self.intercept - self.slope.value * libm::log(samples)))
+        } else if self.falls() {
+            Some(self.last.value * libm::exp(-self.slope_beyond() * libm::log(samples / last)))
         } else {
-            self.last.value * libm::exp(-self.slope_beyond() * libm::log(samples / last))
+            None
         }
     }
 
-    /// Samples that an error takes, both positive.
+    /// Samples that an error takes, both positive; `None` where errors were not seen to fall.
     #[must_use]
-    pub fn samples(&self, error: f64) -> Interval {
+    pub fn samples(&self, error: f64) -> Option<Interval> {
+        if !self.falls() {
+            return None;
+        }
         let last = f64::from(self.over[1]);
         let on_line = libm::exp((self.intercept - libm::log(error)) / self.slope.value);
         let beyond = |end: f64| last * libm::exp(libm::log(end / error) / self.slope_beyond());
@@ -82,12 +100,12 @@ impl Fit {
         // How much the points vary is known best at the last one.
         let low = beyond(self.last.low) / beyond(self.last.value);
         let high = beyond(self.last.high) / beyond(self.last.value);
-        Interval { value, low: value * low, high: value * high }
+        Some(Interval { value, low: value * low, high: value * high })
     }
 
     /// What the error falls with beyond the last point.
     fn slope_beyond(&self) -> f64 {
-        0.5f64.max(self.slope.low).min(self.slope.high).clamp(0.25, 1.0)
+        0.5f64.max(self.slope.low).min(self.slope.high).clamp(SLOWEST, 1.0)
     }
 }
 
@@ -105,15 +123,19 @@ mod tests {
         (0..7).map(at).collect()
     }
 
+    fn samples(fit: &Fit, error: f64) -> Interval {
+        fit.samples(error).expect("errors that fall")
+    }
+
     /// A line that is known comes back, and what it says of other times.
     #[test]
     fn known_lines_come_back() {
         let fit = Fit::new(&points(0.5, &[1.0, 1.0, 1.0])).expect("enough points");
         assert!((fit.slope.value - 0.5).abs() < 1e-12 && fit.over == [4, 64], "{fit:?}");
-        assert!((fit.error(16.0) / 0.1 - 1.0).abs() < 1e-9);
-        assert!((fit.samples(0.1).value / 16.0 - 1.0).abs() < 1e-9, "within the points");
-        assert!((fit.samples(0.01).value / 1600.0 - 1.0).abs() < 1e-9, "beyond them");
-        assert!((fit.error(1600.0) / 0.01 - 1.0).abs() < 1e-9);
+        assert!((fit.error(16.0).expect("within") / 0.1 - 1.0).abs() < 1e-9);
+        assert!((samples(&fit, 0.1).value / 16.0 - 1.0).abs() < 1e-9, "within the points");
+        assert!((samples(&fit, 0.01).value / 1600.0 - 1.0).abs() < 1e-9, "beyond them");
+        assert!((fit.error(1600.0).expect("it falls") / 0.01 - 1.0).abs() < 1e-9);
     }
 
     /// A slope that is proved is believed beyond the points; one that could be 1/2 is not.
@@ -121,7 +143,7 @@ mod tests {
     fn slopes_are_believed_as_far_as_they_are_proved() {
         let steep = Fit::new(&points(0.75, &[1.0, 1.0, 1.0])).expect("enough points");
         let error = steep.last.value / 8.0;
-        assert!((steep.samples(error).value / (64.0 * 16.0) - 1.0).abs() < 1e-9, "{steep:?}");
+        assert!((samples(&steep, error).value / (64.0 * 16.0) - 1.0).abs() < 1e-9, "{steep:?}");
         // Seeds of which some fall faster than others: the mean slope is not proved to be another than 1/2.
         let mut mixed = points(0.5, &[1.0; 4]);
         for (n, squares) in &mut mixed {
@@ -130,7 +152,7 @@ mod tests {
         }
         let fit = Fit::new(&mixed).expect("enough points");
         assert!(fit.slope.low < 0.5 && fit.slope.high > 0.5, "{fit:?}");
-        let ratio = fit.samples(0.5 * fit.last.value).value / 64.0;
+        let ratio = samples(&fit, 0.5 * fit.last.value).value / 64.0;
         assert!((ratio - 4.0).abs() < 1e-9, "{ratio}");
     }
 
@@ -142,9 +164,21 @@ mod tests {
         let relative = 3.182_446_3 * (0.16 / 3.0 / 4.0f64).sqrt();
         let expected = libm::exp(0.5 * relative);
         assert!((fit.last.high / fit.last.value / expected - 1.0).abs() < 1e-6, "{fit:?}");
-        let samples = fit.samples(0.01);
+        let samples = samples(&fit, 0.01);
         assert!((samples.high / samples.value / (expected * expected) - 1.0).abs() < 1e-6, "{samples:?}");
         assert!(samples.low < samples.value);
+    }
+
+    /// Errors that grow, be it by chance, have no price, nor those that fall too slowly to be those of noise.
+    #[test]
+    fn what_was_not_seen_to_fall_has_no_price() {
+        let mut grows = points(0.1, &[1.0; 4]);
+        // One seed meets rare light late.
+        grows[6].1[0] *= 40.0;
+        let fit = Fit::new(&grows).expect("enough points");
+        assert!(fit.last.value > 0.5 && !fit.falls(), "{fit:?}");
+        assert!(fit.samples(0.01).is_none() && fit.error(128.0).is_none() && fit.error(32.0).is_some());
+        assert!(!Fit::new(&points(0.1, &[1.0; 4])).expect("enough points").falls());
     }
 
     /// Too little to draw a line through, and errors that are none.

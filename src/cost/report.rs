@@ -77,7 +77,7 @@ pub struct Measured {
     pub change: Interval,
     /// What the error does not fall below, relative: the root of the squared bias; zero where none is proved.
     pub floor: Interval,
-    /// Seconds that it takes to some errors; of a shortcut to as much noise.
+    /// Seconds that it takes to some errors; of a shortcut to as much noise. Empty where errors were not seen to fall.
     pub prices: Vec<Price>,
     /// 1 / (V T) over that of the full method: how many times less its noise costs.
     pub efficiency: Option<f64>,
@@ -190,11 +190,11 @@ impl Measured {
             runs.levels.iter().zip(&runs.parts).map(|(n, p)| (*n, squares(p))).collect();
         let fit = Fit::new(&points);
         let price = |fit: &Fit, error: f64| {
-            let samples = fit.samples(error);
+            let samples = fit.samples(error)?;
             let seconds = samples.times(seconds_per_pass);
-            Price { error, samples, seconds, measured: samples.value <= f64::from(fit.over[1]) }
+            Some(Price { error, samples, seconds, measured: samples.value <= f64::from(fit.over[1]) })
         };
-        let prices = fit.iter().flat_map(|f| TARGETS.map(|t| price(f, t))).collect();
+        let prices = fit.iter().flat_map(|f| TARGETS.into_iter().filter_map(|t| price(f, t))).collect();
         let median = |runs: &Runs| {
             let mut s = runs.seconds.clone();
             s.sort_by(f64::total_cmp);
@@ -222,10 +222,16 @@ impl Measured {
         }
     }
 
-    /// What an error costs; none where no line could be drawn.
+    /// What an error costs; none where no line could be drawn, or continued.
     #[must_use]
     pub fn price(&self, error: f64) -> Option<&Price> {
         self.prices.iter().find(|p| p.error == error)
+    }
+
+    /// Whether its errors were not seen to fall, so that nobody can say what a smaller one takes.
+    #[must_use]
+    pub fn does_not_fall(&self) -> bool {
+        self.fit.as_ref().is_some_and(|f| !f.falls())
     }
 
     /// Whether its picture is proved to be another than the full one.

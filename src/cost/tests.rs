@@ -9,6 +9,7 @@ use super::*;
 use crate::page::is_well_formed;
 use crate::prepare::{Algorithms, EffectsMode, Options, Shortcuts};
 use crate::scene::Scene;
+use crate::stats::Interval;
 
 /// A clock that counts how often it was asked, so that equal measurements tell equal times.
 #[derive(Default)]
@@ -306,6 +307,23 @@ fn the_page_stands_alone() {
         !text.contains("NaN") && !text.contains("inf,") && !text.contains("inf\""),
         "numbers that are none"
     );
+}
+
+/// Guards that no price is made up for a way whose errors do not fall, and that the page says so.
+#[test]
+fn what_does_not_fall_has_no_price() {
+    let mut report = OF_BALLS.0.clone();
+    let other = report.switches.iter().position(|m| m.kind == Kind::Algorithm).expect("another way");
+    let mut way = report.switches.swap_remove(other);
+    let fit = way.fit.as_mut().expect("a line");
+    (fit.slope, fit.last) = (Interval::around(-0.3, 0.5), Interval::around(0.9, 0.3));
+    way.prices.clear();
+    way.points.last_mut().expect("points").error.value = 0.9;
+    report.switches.truncate(1);
+    report.switches.push(way);
+    let html = page(&report, &OF_BALLS.1, &[], &About::default());
+    is_well_formed(&html);
+    assert!(html.contains("no fall seen") && html.contains("cannot be told"), "{html}");
 }
 
 /// A page of nothing is a page; a black scene is an error; whoever cancels is obeyed.

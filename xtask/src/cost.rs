@@ -121,8 +121,13 @@ fn row(name: &str, report: &Value) -> String {
     };
     let mut others = of("algorithm");
     others.retain(|(_, r)| *r < CHEAPER || *r > DEARER);
-    let others: Vec<String> =
-        others.iter().map(|(w, r)| format!("{} {}", text(w, "name"), digits(*r))).collect();
+    // Prices of errors that were not seen to fall are not told.
+    let untold = ways.iter().filter(|w| text(w, "kind") == "algorithm" && price(w).is_none());
+    let others: Vec<String> = others
+        .iter()
+        .map(|(w, r)| format!("{} {}", text(w, "name"), digits(*r)))
+        .chain(untold.map(|w| format!("{}: no fall seen", text(w, "name"))))
+        .collect();
     let mut shortcuts = of("shortcut");
     shortcuts.retain(|(_, r)| *r < CHEAPER);
     shortcuts.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -189,11 +194,12 @@ mod tests {
             way("caustics by photons", "algorithm", "", 100.0, 12.0),
             way("4 light samples", "algorithm", "", 1000.0, 12.0),
             way("split 4 ways", "algorithm", "", 1000.0, 24.0),
+            serde_json::json!({ "name": "caustics by paths", "kind": "algorithm", "rays_per_sample": 8.0, "prices": [] }),
             way("without mirror", "shortcut", "mirror", 600.0, 8.0),
             way("at most 4 events", "shortcut", "light after 4 events", 1000.0, 4.0),
             way("at most 8 events", "shortcut", "light after 8 events", 1230.0, 8.0),
         ] });
-        let expected = "| room | 1200 | 9900 | caustics by photons 0.12, split 4 ways 2.4 | light after 4 events 0.41, mirror 0.49 |";
+        let expected = "| room | 1200 | 9900 | caustics by photons 0.12, split 4 ways 2.4, caustics by paths: no fall seen | light after 4 events 0.41, mirror 0.49 |";
         assert_eq!(row("room", &report), expected);
         assert_eq!(row("room", &Value::Null), "| room | | | | |");
     }

@@ -45,7 +45,7 @@ impl<'a> Curve<'a> {
     fn error(&self, x: f64, words: &Words<'_>) -> Option<f64> {
         let fit = self.way.fit.as_ref()?;
         let samples = libm::pow(10.0, x) / words.wall(self.way.seconds_per_pass).max(1e-12);
-        let (noise, bias) = (fit.error(samples), self.bias());
+        let (noise, bias) = (fit.error(samples)?, self.bias());
         Some(0.5 * libm::log10(noise * noise + bias * bias)).filter(|y| y.is_finite())
     }
 

@@ -124,7 +124,8 @@ pub(super) fn bar(share: f64, class: &str) -> String {
 /// All switches, a row each.
 pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
     let row = |m: &Measured| {
-        let time = m.price(MAIN).map_or_else(|| "unknown".into(), |p| words.time(p.seconds.value));
+        let unknown = || if m.does_not_fall() { "no fall seen" } else { "unknown" }.to_owned();
+        let time = m.price(MAIN).map_or_else(unknown, |p| words.time(p.seconds.value));
         let unbiased = m.kind != Kind::Shortcut;
         let change = if m.kind == Kind::Full { "\u{2013}".into() } else { signed(m) };
         let floor = match (unbiased, m.floor.low > 0.0) {

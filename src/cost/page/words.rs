@@ -66,14 +66,28 @@ impl<'a> Words<'a> {
         std::iter::once(first).chain(self.dearest()).chain(self.estimator()).collect()
     }
 
-    /// The other estimator that matters most: the cheapest where one is surely cheaper, else the dearest that surely is.
+    /// The other estimator that matters most: the cheapest where one is surely cheaper, else one whose error does not fall,
+    /// else the dearest that surely is.
     fn estimator(&self) -> Option<String> {
         let full = self.main()?.seconds;
+        let target = percent_of_target(MAIN);
+        let mut unknown = of_kind(self.report, Kind::Algorithm).filter(|(_, m)| m.does_not_fall());
         let ways =
             of_kind(self.report, Kind::Algorithm).filter_map(|(_, m)| Some((m.price(MAIN)?.seconds, m)));
         let mut sure: Vec<_> = ways.filter(|(s, _)| s.high < full.low || s.low > full.high).collect();
         sure.sort_by(|a, b| a.0.value.total_cmp(&b.0.value));
-        let (seconds, m) = sure.first().filter(|(s, _)| s.high < full.low).or(sure.last())?;
+        let cheaper = sure.first().filter(|(s, _)| s.high < full.low);
+        if let (None, Some((_, m))) = (cheaper, unknown.next()) {
+            let last = m.points.last()?;
+            return Some(format!(
+                "With *{}* the error did not fall as far as was measured, and was {} after {} samples: when it will be {target} \
+                 cannot be told.",
+                m.name,
+                percent(last.error.value),
+                last.spp,
+            ));
+        }
+        let (seconds, m) = cheaper.or(sure.last())?;
         let ratio = seconds.value / full.value;
         let (factor, word) = if ratio <= 1.0 { (1.0 / ratio, "cheaper") } else { (ratio, "dearer") };
         Some(format!(
