@@ -24,28 +24,6 @@ pub(super) struct Run {
     interval: [f64; 2],
     trusted: bool,
     truth: f64,
-    /// Seconds of rendering, where they were kept.
-    seconds: Option<f64>,
-    pub(super) quoted: Option<Quoted>,
-}
-
-/// What was quoted for a run.
-pub(super) struct Quoted {
-    samples: f64,
-    interval: [f64; 2],
-    seconds: f64,
-}
-
-impl Quoted {
-    /// `None` where the error could not be foreseen.
-    pub(super) fn from_json(v: &Value) -> Option<Self> {
-        let quote = &v["quote"];
-        Some(Self {
-            samples: quote["samples"].as_f64()?,
-            interval: [quote["samples_interval"][0].as_f64()?, quote["samples_interval"][1].as_f64()?],
-            seconds: quote["seconds"].as_f64()?,
-        })
-    }
 }
 
 impl Run {
@@ -57,8 +35,6 @@ impl Run {
             interval: [stated["interval"][0].as_f64()?, stated["interval"][1].as_f64()?],
             trusted: stated["trusted"].as_bool()?,
             truth: v["truth"].as_f64()?,
-            seconds: v["seconds"].as_f64(),
-            quoted: None,
         })
     }
 
@@ -81,42 +57,6 @@ pub(super) struct Row {
     /// Median of stated over true E.
     ratio: f64,
     width: f64,
-    quotes: Option<Quotes>,
-}
-
-/// What quotes come to, over the runs of a case that reached their error.
-struct Quotes {
-    /// Runs for which one was given.
-    given: usize,
-    runs: usize,
-    /// Median of quoted over actual samples.
-    ratio: f64,
-    /// Those within 15 % of the actual samples, and those whose interval held them.
-    near: usize,
-    held: usize,
-    /// Median of half the width of the interval, over the quote.
-    width: f64,
-    /// Median of quoted over actual seconds, which depends on what else the machine does.
-    seconds: f64,
-}
-
-impl Quotes {
-    fn new(runs: &[Run], target: f64) -> Option<Self> {
-        let reached = || runs.iter().filter(|r| r.trusted && r.error <= target);
-        let pairs: Vec<(&Run, &Quoted)> = reached().filter_map(|r| Some((r, r.quoted.as_ref()?))).collect();
-        let count = |of: &dyn Fn(&Run, &Quoted) -> bool| pairs.iter().filter(|(r, q)| of(r, q)).count();
-        let middle =
-            |of: &dyn Fn(&Run, &Quoted) -> f64| median(pairs.iter().map(|(r, q)| of(r, q)).collect());
-        (!pairs.is_empty()).then(|| Self {
-            given: pairs.len(),
-            runs: reached().count(),
-            ratio: middle(&|r, q| q.samples / r.samples),
-            near: count(&|r, q| (q.samples / r.samples - 1.0).abs() <= 0.15),
-            held: count(&|r, q| (q.interval[0]..=q.interval[1]).contains(&r.samples)),
-            width: middle(&|_, q| 0.5 * (q.interval[1] - q.interval[0]) / q.samples),
-            seconds: middle(&|r, q| q.seconds / r.seconds.unwrap_or(f64::NAN)),
-        })
-    }
 }
 
 impl Row {
@@ -135,7 +75,6 @@ impl Row {
             truth: middle(&|r| r.truth),
             ratio: middle(&|r| r.error / r.truth),
             width: middle(&|r| 0.5 * (r.interval[1] - r.interval[0]) / r.error),
-            quotes: Quotes::new(runs, case.target),
         }
     }
 
@@ -171,20 +110,6 @@ impl fmt::Display for Row {
             share(self.doubted, self.runs),
             self.wrong_and_doubted,
             self.wrong,
-        )?;
-        let Some(q) = &self.quotes else { return Ok(()) };
-        write!(
-            f,
-            "\n{:<18} quoted {:>12} of {} runs, {:.2}x the samples, +-{:.0} %; {:.0} % within 15 %, {:.0} % in the \
-             interval; {:.2}x the seconds",
-            "",
-            q.given,
-            q.runs,
-            q.ratio,
-            100.0 * q.width,
-            share(q.near, q.given),
-            share(q.held, q.given),
-            q.seconds,
         )
     }
 }
@@ -238,11 +163,11 @@ pub(super) fn broken(rows: &[Row]) -> Vec<String> {
     broken
 }
 
-fn share(n: usize, of: usize) -> f64 {
+pub(super) fn share(n: usize, of: usize) -> f64 {
     100.0 * n as f64 / of.max(1) as f64
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
