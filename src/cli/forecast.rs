@@ -47,7 +47,7 @@ pub(super) struct Quoted {
 impl Forecaster {
     /// For a render that asks for this error and begins now.
     pub(super) fn new(target: f64) -> Self {
-        let state = State { curve: Curve::new(1), ..State::default() };
+        let state = State { curve: Curve::new(1.0), ..State::default() };
         Self { target, begin: Instant::now(), state: Mutex::new(state) }
     }
 

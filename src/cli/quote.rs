@@ -71,7 +71,7 @@ pub(super) struct QuoteArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
 
-    /// Rays that the pilot takes, about; up to four times as many where the quote would not be within 30 %, or not clear
+    /// Rays that the pilot takes, about; up to four times as many where the quote would not be within 20 %, or not clear
     #[arg(long, value_name = "N", default_value_t = RAYS, value_parser = clap::value_parser!(u64).range(1..))]
     rays: u64,
 
@@ -100,7 +100,7 @@ struct QuoteJson<'a> {
 #[derive(Serialize)]
 struct PilotJson {
     samples: u32,
-    every: u32,
+    every: f64,
     rays: u64,
     seconds: f64,
     threads: usize,
@@ -177,7 +177,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
             caustics: prepared.plan.caustics.name(),
             pilot: PilotJson {
                 samples: pilot.passes,
-                every: pilot.every,
+                every: pilot.every.round(),
                 rays: pilot.rays,
                 seconds: pilot.elapsed.as_secs_f64(),
                 threads: pilot.threads,
@@ -228,8 +228,8 @@ fn prepare(
 }
 
 fn write_pilot(text: &mut String, pilot: &Pilot) {
-    let where_ = match pilot.every {
-        1 => "of each pixel".to_owned(),
+    let where_ = match pilot.every.round() {
+        1.0 => "of each pixel".to_owned(),
         n => format!("of one pixel in {n}"),
     };
     let seconds = show_time(pilot.elapsed.as_secs_f64());

@@ -382,7 +382,7 @@ impl Job {
             error: self.error,
             threads: self.threads,
             crop: self.crop,
-            every: 1,
+            sparse: None,
             features: self.aovs.iter().any(|a| *a != Aov::Layers),
             layers: self.aovs.contains(&Aov::Layers),
             layer_noise: false,

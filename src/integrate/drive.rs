@@ -20,7 +20,6 @@ use super::path::Counters;
 use super::photon::{Maps, Photon, Radius, Second, Seen, Splat, Tracer};
 use super::render::{BadSample, Busy, Control, Outcome, Progress, RenderError, RenderOptions};
 use crate::film::{CELL, ErrorEstimate, Film, Found, LightLayer, Refusal, Sample};
-use crate::math::mix64;
 
 /// Side of a tile, pixels: light is compared by tiles.
 const TILE: u32 = CELL;
@@ -29,7 +28,7 @@ const REPORTED: usize = 8;
 
 /// Whoever makes the samples: a method of light transport on a scene.
 pub(super) trait Source: Sync {
-    /// The sample of `pass` at a pixel of the whole picture, with the photons of the pass where there are
+    /// The sample of `pass` at a pixel of the film's whole picture, with the photons of the pass where there are
     /// any: a function of these two and nothing else.
     fn sample(&self, pixel: [u32; 2], pass: u32, maps: Option<&Maps>, counters: &mut Counters) -> Sample;
 
@@ -95,8 +94,6 @@ struct Job<'a> {
     options: &'a RenderOptions,
     control: &'a dyn Control,
     crop: [u32; 4],
-    /// Of the whole picture.
-    width: u32,
     tiles: [u32; 2],
     busy: Clocks,
     begin: Instant,
@@ -115,6 +112,7 @@ struct Job<'a> {
     capped: AtomicU64,
     gathered: AtomicU64,
     layer_rays: [AtomicU64; LightLayer::ALL.len()],
+    photon_rays: [AtomicU64; LightLayer::ALL.len()],
     last_report: AtomicU64,
 }
 
@@ -161,7 +159,6 @@ pub(super) fn drive(
         options,
         control,
         crop,
-        width,
         busy: Clocks::default(),
         tiles: [crop[2].div_ceil(TILE), crop[3].div_ceil(TILE)],
         begin: Instant::now(),
@@ -185,6 +182,7 @@ pub(super) fn drive(
         capped: AtomicU64::new(0),
         gathered: AtomicU64::new(0),
         layer_rays: std::array::from_fn(|_| AtomicU64::new(0)),
+        photon_rays: std::array::from_fn(|_| AtomicU64::new(0)),
         last_report: AtomicU64::new(0),
     };
     pool.broadcast(|_| job.work());
@@ -243,6 +241,7 @@ impl Job<'_> {
         let mut counters = Counters::default();
         let traced = tracer.trace(pass, chunk, &mut counters);
         counters.layer_rays[traced.layer as usize] = counters.rays;
+        counters.photon_rays = counters.layer_rays;
         self.count(&counters);
         let mut all = Vec::new();
         self.deliver(pass, |pending| {
@@ -280,7 +279,8 @@ impl Job<'_> {
         self.capped.fetch_add(counters.capped, Ordering::Relaxed);
         self.gathered.fetch_add(counters.gathered, Ordering::Relaxed);
         if self.records_layers() {
-            for (sum, n) in self.layer_rays.iter().zip(counters.layer_rays) {
+            let pairs = [(&self.layer_rays, counters.layer_rays), (&self.photon_rays, counters.photon_rays)];
+            for (sum, n) in pairs.into_iter().flat_map(|(sums, own)| sums.iter().zip(own)) {
                 sum.fetch_add(n, Ordering::Relaxed);
             }
         }
@@ -292,18 +292,10 @@ impl Job<'_> {
         [x, y, TILE.min(self.crop[2] - x), TILE.min(self.crop[3] - y)]
     }
 
-    /// The pixels of a tile that are rendered: column and row within the crop.
-    fn pixels(&self, tile: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
+    /// The pixels of a tile: column and row within the crop.
+    fn pixels(&self, tile: u32) -> impl Iterator<Item = [u32; 2]> + use<> {
         let [x, y, w, h] = self.bounds(tile);
-        let all = (y..y + h).flat_map(move |row| (x..x + w).map(move |column| [column, row]));
-        all.filter(|&[column, row]| self.is_rendered(column, row))
-    }
-
-    /// One pixel of each run of as many as `every` says.
-    fn is_rendered(&self, column: u32, row: u32) -> bool {
-        let every = u64::from(self.options.every.max(1));
-        let index = u64::from(self.crop[1] + row) * u64::from(self.width) + u64::from(self.crop[0] + column);
-        every == 1 || index % every == mix64(index / every) % every
+        (y..y + h).flat_map(move |row| (x..x + w).map(move |column| [column, row]))
     }
 
     fn tile(&self, tile: u32, pass: u32) -> Tile {
@@ -369,12 +361,14 @@ impl Job<'_> {
 
     fn counters(&self) -> Counters {
         let now = |n: &AtomicU64| n.load(Ordering::Relaxed);
-        let layer_rays = std::array::from_fn(|i| now(&self.layer_rays[i]));
+        let [layer_rays, photon_rays] =
+            [&self.layer_rays, &self.photon_rays].map(|sums| std::array::from_fn(|i| now(&sums[i])));
         Counters {
             rays: now(&self.rays),
             capped: now(&self.capped),
             gathered: now(&self.gathered),
             layer_rays,
+            photon_rays,
             ..Counters::default()
         }
     }
@@ -392,9 +386,6 @@ impl Job<'_> {
         }
         for splat in &pending.splats {
             let pixel = splat.pixel as usize;
-            if !self.is_rendered(splat.pixel % self.crop[2], splat.pixel / self.crop[2]) {
-                continue;
-            }
             let added = state.film.splat(pixel, pass, splat.radiance, LightLayer::Caustic, splat.class);
             self.note(state, pixel, pass, added);
         }
@@ -432,7 +423,7 @@ impl Job<'_> {
     }
 
     fn progress(&self, elapsed: Duration) -> Progress {
-        let pixels = u64::from(self.crop[2]) * u64::from(self.crop[3]) / u64::from(self.options.every.max(1));
+        let pixels = u64::from(self.crop[2]) * u64::from(self.crop[3]);
         let (passes, error) = {
             let state = lock(&self.film);
             (state.passes_done, state.error)

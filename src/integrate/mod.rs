@@ -20,6 +20,7 @@ mod render;
 pub mod report;
 mod roulette;
 mod scatter;
+mod sparse;
 
 pub(crate) use direct::mis_weight;
 pub use drive::is_looked_at;
@@ -32,3 +33,4 @@ pub use render::{
     layout, render, render_onto, replay, second_opinion,
 };
 pub(crate) use roulette::survive;
+pub use sparse::Sparse;

@@ -34,8 +34,10 @@ pub struct Counters {
     /// Photons gathered from maps, by paths that look for caustics.
     pub gathered: u64,
     /// Rays by the [`LightLayer`] of the light that they look for, where layers are recorded: a shadow ray by that
-    /// of its light, any other by that of a light at its end, those of photons by that of caustics.
+    /// of its light, any other by that of a light at its end.
     pub layer_rays: [u64; LightLayer::ALL.len()],
+    /// What of these photons took.
+    pub photon_rays: [u64; LightLayer::ALL.len()],
     /// What they found of the light that photons can bring to the camera too: `E D (D|S)* L`.
     pub found: Found,
 }

@@ -47,7 +47,7 @@ impl<'a> Probe<'a> {
     /// Of the whole picture of `scene`, as its plan says, with so many photons in a pass.
     pub(crate) fn new(scene: &'a Prepared, photons: u32) -> Self {
         let [width, height] = scene.size;
-        let tracer = Tracer::new(scene, [0, 0, width, height]).map(|t| t.with(photons));
+        let tracer = Tracer::new(scene, [0, 0, width, height], None).map(|t| t.with(photons));
         Self { scene, kernel: kernel(&scene.plan), tracer }
     }
 
@@ -128,7 +128,7 @@ mod tests {
         let probe = Probe::new(&prepared, count);
         let radii = [1.0, 2.0].map(|factor| Radius { factor, pixel: 1.0 });
         let [own, wide] = probe.photons(0, radii).map(|photons| probe.pass(0, &photons));
-        let tracer = Tracer::new(&prepared, [0, 0, 24, 24]).expect("photons");
+        let tracer = Tracer::new(&prepared, [0, 0, 24, 24], None).expect("photons");
         let trace = |chunk| tracer.trace(0, chunk, &mut Counters::default());
         let parts = (0..tracer.chunks()).map(trace).map(|t| (t.layer, t.photons)).collect();
         let maps = tracer.maps(Radius::of(0), parts);

@@ -11,6 +11,7 @@ use super::kernels::{Kernel, kernel};
 use super::li::first_surface;
 use super::path::Counters;
 use super::photon::{self, Maps, Radius, Second, Tracer};
+use super::sparse::Sparse;
 use crate::film::{ErrorEstimate, Features, Film, FilmLayout, Refusal, Sample, Squares};
 use crate::prepare::{PrepareError, Prepared};
 use crate::sampling::warp::square_to_disk;
@@ -30,9 +31,9 @@ pub struct RenderOptions {
     pub threads: usize,
     /// Left, top, width and height of the part to render, pixels of the whole picture.
     pub crop: Option<[u32; 4]>,
-    /// Renders one pixel of so many, spread over the picture, and leaves the others empty: to learn about a picture
-    /// from a part of it. 1 is all of them.
-    pub every: u32,
+    /// Renders some of the pixels instead of all of them, onto a film of as many: to learn about a picture from a
+    /// part of it. It has been made for the same `crop`.
+    pub sparse: Option<Sparse>,
     /// Whether to record features of the first surface (albedo, normal, depth, position, ids).
     pub features: bool,
     /// Whether to record the parts of the light ([`LightLayer`](crate::film::LightLayer)) and each pixel's
@@ -53,11 +54,18 @@ impl RenderOptions {
             error: None,
             threads: 0,
             crop: None,
-            every: 1,
+            sparse: None,
             features: false,
             layers: false,
             layer_noise: false,
         }
+    }
+
+    /// Left, top, width and height of the part that is rendered, pixels of the whole picture.
+    #[must_use]
+    pub fn shown(&self, scene: &Prepared) -> [u32; 4] {
+        let [width, height] = scene.size;
+        self.crop.unwrap_or([0, 0, width, height])
     }
 }
 
@@ -228,12 +236,14 @@ struct Planned<'a> {
     kernel: Kernel,
     tracer: Option<Tracer<'a>>,
     second: Option<Second<'a>>,
+    sparse: Option<Sparse>,
     features: bool,
     layers: bool,
 }
 
 impl Source for Planned<'_> {
     fn sample(&self, pixel: [u32; 2], pass: u32, maps: Option<&Maps>, counters: &mut Counters) -> Sample {
+        let pixel = self.sparse.map_or(pixel, |s| s.pixel(pixel));
         let mut s = sample(self.scene, &self.kernel, self.layers, pixel, pass, maps, counters);
         if self.features {
             s.features = features(self.scene, pixel, pass);
@@ -307,7 +317,7 @@ pub fn replay(scene: &Prepared, pixel: [u32; 2], pass: u32) -> Sample {
     let counters = &mut Counters::default();
     let mut maps = None;
     let mut splats = Vec::new();
-    if let Some(tracer) = Tracer::new(scene, [pixel[0], pixel[1], 1, 1]) {
+    if let Some(tracer) = Tracer::new(scene, [pixel[0], pixel[1], 1, 1], None) {
         let traced: Vec<_> = (0..tracer.chunks()).map(|chunk| tracer.trace(pass, chunk, counters)).collect();
         splats = traced.iter().flat_map(|t| t.splats.clone()).collect();
         let parts = || traced.into_iter().map(|t| (t.layer, t.photons)).collect();
@@ -334,10 +344,13 @@ pub fn render(
 /// What a render of a scene accumulates.
 #[must_use]
 pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
-    let [width, height] = scene.size;
+    let (crop, full_size) = match options.sparse.map(|s| s.grid()) {
+        Some([columns, rows]) => ([0, 0, columns, rows], [columns, rows]),
+        None => (options.shown(scene), scene.size),
+    };
     FilmLayout {
-        crop: options.crop.unwrap_or([0, 0, width, height]),
-        full_size: scene.size,
+        crop,
+        full_size,
         replications: scene.plan.replications,
         radiance: scene.radiance_format,
         length: scene.length_format,
@@ -346,7 +359,7 @@ pub fn layout(scene: &Prepared, options: &RenderOptions) -> FilmLayout {
         layer_noise: options.layer_noise,
         transparent: scene.transparent,
         // Photons light all pixels.
-        cross: scene.second().is_some() && options.every <= 1,
+        cross: scene.second().is_some() && options.sparse.is_none(),
         widening: photon::gathers(scene),
     }
 }
@@ -367,9 +380,11 @@ pub fn render_onto(
         return Err(RenderError::Film);
     }
     let features = options.features || scene.transparent;
-    let (layers, tracer) = (options.layers || options.layer_noise, Tracer::new(scene, layout.crop));
+    let layers = options.layers || options.layer_noise;
+    let tracer = Tracer::new(scene, options.shown(scene), options.sparse);
     // What the film does not keep need not be traced.
     let second = Second::new(scene, layout.crop).filter(|_| layout.cross);
-    let source = Planned { scene, kernel: kernel(&scene.plan), tracer, second, features, layers };
+    let sparse = options.sparse;
+    let source = Planned { scene, kernel: kernel(&scene.plan), tracer, second, sparse, features, layers };
     drive(&source, film, options, control)
 }

@@ -57,10 +57,10 @@ pub struct Forecast {
 }
 
 impl Curve {
-    /// Of a picture of which one pixel in `every` is known.
+    /// Of a picture of which one pixel in `every` is known, about.
     #[must_use]
-    pub fn new(every: u32) -> Self {
-        Self { points: Vec::new(), every: f64::from(every) }
+    pub fn new(every: f64) -> Self {
+        Self { points: Vec::new(), every }
     }
 
     /// The number of passes of the last point; zero where there is none.
@@ -179,7 +179,7 @@ mod tests {
 
     /// The same with the bias of a photon map.
     fn biased(name: u64, pixels: usize, noise: f64, last: u32, bias: Option<MapBias>) -> Curve {
-        let mut curve = Curve::new(1);
+        let mut curve = Curve::new(1.0);
         let mut state = name;
         for passes in (8..=last).filter(|&n| is_looked_at(n)) {
             let t = |_| {
@@ -241,7 +241,7 @@ mod tests {
     /// passes seems 4000 times as bad and another one as much better: a third of all draws have more of the latter.
     #[test]
     fn noise_at_first_is_no_end() {
-        let mut curve = Curve::new(1);
+        let mut curve = Curve::new(1.0);
         for passes in (8..=128).filter(|&n| is_looked_at(n)) {
             let mut of_pixels = vec![1.0 / passes as f32; 4096];
             if passes == 16 {

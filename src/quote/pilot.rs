@@ -5,15 +5,18 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::curve::{Curve, Forecast};
-use crate::film::{ErrorEstimate, Film, LayerShare, LightLayer};
+use crate::film::{ErrorEstimate, Film, LayerShare, LightLayer, Squares};
 use crate::integrate::{
-    Control, Counters, Outcome, RenderError, RenderOptions, StopOnly, is_looked_at, layout, render_onto,
+    Control, Counters, Outcome, RenderError, RenderOptions, Sparse, StopOnly, is_looked_at, layout,
+    render_onto,
 };
 use crate::prepare::Prepared;
 
-/// Pixels of a pilot, at least, where the picture has as many: enough for an interval, and few enough for many samples
-/// of each.
+/// Pixels of a pilot, about, where the picture has as many: enough for an interval, and few enough for many samples of
+/// each.
 const PIXELS: u64 = 4096;
+/// It traces photons as for so many pixels, where the picture has as many: they take about as long as the paths.
+const PHOTONS_OF: u64 = 2 * PIXELS;
 /// Rays of a pilot where nothing else is asked for: a second or two on a few cores.
 pub const RAYS: u64 = 10_000_000;
 /// Passes of a pilot: at least what a curve needs, at most what any error above a thousandth does.
@@ -27,7 +30,7 @@ const LONGER: u32 = 4;
 /// A quote whose interval reaches to so many times its samples says nothing.
 const SAYS_NOTHING: u32 = 10;
 /// How wide the interval of a quote should be at most, to either side and relative.
-const WIDEST: f64 = 0.3;
+const WIDEST: f64 = 0.2;
 /// Pixels that carry the error of a pilot, at least, where it is clear.
 const FEWEST: f64 = 20.0;
 /// Passes that say how many rays one takes.
@@ -41,7 +44,7 @@ pub struct Pilot {
     /// The error after all passes, of the pixels that were rendered; `None` where it cannot be estimated.
     pub error: Option<ErrorEstimate>,
     /// One pixel of so many was rendered.
-    pub every: u32,
+    pub every: f64,
     /// Samples of each of these.
     pub passes: u32,
     /// Rays, photons' included.
@@ -115,6 +118,8 @@ impl Quote {
 /// Takes notes at each look, and passes on the wish to stop.
 struct Notes<'a> {
     curve: Mutex<Curve>,
+    /// See [`Sparse::coarse`].
+    coarse: u32,
     control: &'a dyn Control,
 }
 
@@ -127,7 +132,7 @@ impl Notes<'_> {
 impl Control for Notes<'_> {
     fn committed(&self, film: &Film, passes: Range<u32>, _: Counters) {
         if is_looked_at(passes.end)
-            && let Some(squares) = film.error_squares()
+            && let Some(squares) = squares(film, self.coarse)
         {
             self.curve().add(passes.end, &squares);
         }
@@ -143,7 +148,7 @@ impl Control for Notes<'_> {
 pub struct Length {
     /// Rays, about; where the error is not clear after them, it goes on, up to four times as long.
     pub rays: u64,
-    /// An error of which the quote should be within 30 %: where it is not, the pilot goes on, too.
+    /// An error of which the quote should be within 20 %: where it is not, the pilot goes on, too.
     pub narrow: Option<f64>,
 }
 
@@ -159,16 +164,15 @@ pub fn pilot(
     control: &dyn Control,
 ) -> Result<Pilot, RenderError> {
     let plain = RenderOptions { layers: false, layer_noise: false, features: false, ..options.clone() };
-    let [.., width, height] = layout(scene, &plain).crop;
-    let pixels = u64::from(width) * u64::from(height);
-    let every = (pixels / PIXELS).clamp(1, u64::from(u32::MAX)) as u32;
-    let notes = Notes { curve: Mutex::new(Curve::new(every)), control };
-    let options = RenderOptions { passes: 0..FIRST, every, time: None, error: None, ..plain };
+    let sparse = Sparse::new(scene.size, plain.shown(scene), PIXELS, PHOTONS_OF);
+    let (every, coarse) = sparse.map_or((1.0, 1), |s| (s.every(), s.coarse()));
+    let notes = Notes { curve: Mutex::new(Curve::new(every)), coarse, control };
+    let options = RenderOptions { passes: 0..FIRST, sparse, time: None, error: None, ..plain };
     let film = Film::new(layout(scene, &options));
     let first = render_onto(scene, film, &options, &notes)?;
     let affordable = length.rays.saturating_mul(u64::from(FIRST)) / first.counters.rays.max(1);
     let within = |passes: u64| (passes.min(u64::from(PASSES.end)) as u32).max(PASSES.start) / FIRST * FIRST;
-    // Rays bound both: where a pass takes many, as one with photons of a large picture does, there is no going on.
+    // Rays bound both: where a pass takes many, there is no going on.
     let (planned, longest) = (within(affordable), within(affordable.saturating_mul(u64::from(LONGER))));
     let mut total = Spent::default();
     total.add(&first);
@@ -180,7 +184,7 @@ pub fn pilot(
         let more = render_onto(scene, film, &options, &notes)?;
         total.add(&more);
         (film, passes) = (more.film, more.passes.end);
-        let error = film.error();
+        let error = squares(&film, coarse).map(|s| film.error_of(&s));
         let clear = error.is_some_and(|e| is_clear(&e, every))
             && length.narrow.is_none_or(|e| is_narrow(&notes.curve(), e));
         if clear || more.cancelled || asked >= longest {
@@ -198,18 +202,22 @@ pub fn pilot(
         passes,
         rays: total.rays,
         elapsed: total.elapsed,
-        pass_seconds: total.whole(every) / f64::from(passes.max(1)),
+        pass_seconds: total.whole(every, coarse) / f64::from(passes.max(1)),
         threads,
-        parts: shares(&parts.film, &parts.counters),
+        parts: shares(&parts.film, &parts.counters, every, coarse),
     })
 }
 
+/// What the pixels add to the error; photon maps of the whole picture have disks so many times narrower.
+fn squares(film: &Film, coarse: u32) -> Option<Squares> {
+    let found = film.error_squares()?;
+    Some(Squares { map_bias: found.map_bias.map(|b| b.of_narrower(f64::from(coarse))), ..found })
+}
+
 /// Whether the pilot's error says what that of the whole picture will be, of which one pixel in `every` is known.
-fn is_clear(error: &ErrorEstimate, every: u32) -> bool {
+fn is_clear(error: &ErrorEstimate, every: f64) -> bool {
     let carry = error.effective_pixels;
-    error.error <= ErrorEstimate::NOISIEST
-        && carry >= FEWEST
-        && carry * f64::from(every) >= ErrorEstimate::FEWEST_PIXELS
+    error.error <= ErrorEstimate::NOISIEST && carry >= FEWEST && carry * every >= ErrorEstimate::FEWEST_PIXELS
 }
 
 /// Whether the quote of an error is as narrow as quotes should be.
@@ -237,21 +245,27 @@ impl Spent {
         self.paths += outcome.busy.tiles + outcome.busy.film;
     }
 
-    /// Seconds that it would have taken to render all pixels: photons are the same.
-    fn whole(&self, every: u32) -> f64 {
+    /// Seconds that it would have taken to render all pixels, with all photons.
+    fn whole(&self, every: f64, coarse: u32) -> f64 {
         let [photons, paths] = [self.photons, self.paths].map(|d| d.as_secs_f64());
-        self.elapsed.as_secs_f64() * (photons + paths * f64::from(every)) / (photons + paths).max(1e-9)
+        let all = photons * f64::from(coarse * coarse) + paths * every;
+        self.elapsed.as_secs_f64() * all / (photons + paths).max(1e-9)
     }
 }
 
 /// The shares of the parts of the light, of the most noisy first.
-fn shares(film: &Film, counters: &Counters) -> Vec<EffectShare> {
-    let rays: u64 = counters.layer_rays.iter().sum();
+fn shares(film: &Film, counters: &Counters, every: f64, coarse: u32) -> Vec<EffectShare> {
+    // Those of all pixels, and all photons.
+    let rays: [f64; LightLayer::ALL.len()] = std::array::from_fn(|i| {
+        let (all, photons) = (counters.layer_rays[i], counters.photon_rays[i]);
+        (all - photons) as f64 * every + photons as f64 * f64::from(coarse * coarse)
+    });
+    let total = rays.iter().sum::<f64>().max(1.0);
     let of = |s: LayerShare| EffectShare {
         layer: s.layer,
         light: s.light,
         noise: s.noise,
-        rays: counters.layer_rays[s.layer as usize] as f64 / rays.max(1) as f64,
+        rays: rays[s.layer as usize] / total,
     };
     let mut list: Vec<EffectShare> = film.layer_shares().into_iter().flatten().map(of).collect();
     list.sort_by(|a, b| b.noise.total_cmp(&a.noise));

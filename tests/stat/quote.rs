@@ -1,13 +1,15 @@
 //! Quotes against what renders then take.
 
-use epsilux::integrate::{Quiet, RenderOptions, render};
-use epsilux::prepare::{Prepared, prepare};
+use epsilux::film::{ErrorEstimate, Film, LightLayer, Squares};
+use epsilux::integrate::{Quiet, RenderOptions, Sparse, render};
+use epsilux::prepare::{Algorithms, CausticsMode, Options, Prepared, prepare};
 use epsilux::quote::{Length, Pilot, pilot};
 use epsilux::scene::text::parse_toml;
 
 use crate::support::fast::options;
 use crate::support::seed::seed;
 
+const HEXROOM: &str = include_str!("../../scenes/hexroom.toml");
 const CORNELL: &str = include_str!("../../scenes/cornell.toml");
 const PENUMBRA: &str = include_str!("../../fixtures/golden/sphere-penumbra/scene.toml");
 const SHEEN: &str = include_str!("../../fixtures/golden/coat-sheen/scene.toml");
@@ -85,11 +87,39 @@ fn a_pilot_goes_on_for_a_wide_quote() {
 fn some_pixels_speak_for_all() {
     let scene = prepared(CORNELL, 128, "some pixels speak for all");
     let some = pilot_of(&scene, 1);
-    assert_eq!((some.every, some.passes), (4, 16));
+    assert_eq!((some.every, some.passes), (4.0, 16));
     let whole = render(&scene, &RenderOptions::passes(0..16), &Quiet).expect("passes").film.error();
-    let (some, whole) = (some.error.expect("an error"), whole.expect("an error"));
-    let width = |e: &epsilux::film::ErrorEstimate| libm::log(e.interval[1] / e.error);
-    let apart = libm::log(some.error / whole.error).abs();
+    agree(&some.error.expect("an error"), &whole.expect("an error"));
+}
+
+/// Guards the same with photons: of one pixel in sixteen, with one photon in sixteen in disks four times as wide. And that
+/// these bring as much light.
+#[test]
+fn some_photons_speak_for_all() {
+    let algorithms = Algorithms { caustics: CausticsMode::Photon, ..Algorithms::PATHS };
+    let options = Options { algorithms, ..options([128; 2], seed("some photons speak for all"), None) };
+    let scene = prepare(&parse_toml(HEXROOM).expect("a scene of the project").0, &options).expect("a camera");
+    let sparse = Sparse::new([128; 2], [0, 0, 128, 128], 1024, 1024);
+    assert_eq!(sparse.map(|s| (s.grid(), s.coarse())), Some(([32; 2], 4)));
+    let of = |sparse| {
+        let options = RenderOptions { sparse, layer_noise: true, ..RenderOptions::passes(0..32) };
+        render(&scene, &options, &Quiet).expect("passes").film
+    };
+    let (some, whole) = (of(sparse), of(None));
+    let noise = |film: &Film| Squares { map_bias: None, ..film.error_squares().expect("squares") }.estimate();
+    agree(&noise(&some), &noise(&whole));
+    let caustics = |film: &Film| {
+        let all = film.layer_shares().expect("layers");
+        *all.iter().find(|s| s.layer == LightLayer::Caustic).expect("caustics")
+    };
+    let (some, whole) = (caustics(&some), caustics(&whole));
+    assert!((some.light / whole.light - 1.0).abs() < 0.1, "{some:?} {whole:?}");
+    assert!((0.6..1.6).contains(&(some.noise / whole.noise)), "{some:?} {whole:?}");
+}
+
+/// Whether two errors are the same, within three times what both intervals allow.
+fn agree(a: &ErrorEstimate, b: &ErrorEstimate) {
+    let width = |e: &ErrorEstimate| libm::log(e.interval[1] / e.error);
     // Intervals are 1.96 standard errors.
-    assert!(apart < 1.5 * libm::hypot(width(&some), width(&whole)), "{some:?} {whole:?}");
+    assert!(libm::log(a.error / b.error).abs() < 1.5 * libm::hypot(width(a), width(b)), "{a:?} {b:?}");
 }

@@ -41,6 +41,7 @@ use trace::{Route, Walk};
 use std::ops::Range;
 
 use super::path::Counters;
+use super::sparse::Sparse;
 use crate::film::LightLayer;
 use crate::light::SphereLight;
 use crate::prepare::{Casting, Caustics, Indirect, Photons, Prepared};
@@ -107,7 +108,7 @@ pub(super) fn of_widened(pixels: u64) -> u32 {
 
 /// Whether paths through a scene gather photons.
 pub(super) fn gathers(scene: &Prepared) -> bool {
-    Tracer::new(scene, [0, 0, 1, 1]).is_some_and(|t| t.gathers())
+    Tracer::new(scene, [0, 0, 1, 1], None).is_some_and(|t| t.gathers())
 }
 
 /// Traces the photons of passes.
@@ -115,8 +116,11 @@ pub(super) struct Tracer<'a> {
     scene: &'a Prepared,
     photons: &'a Photons,
     crop: [u32; 4],
+    sparse: Option<Sparse>,
     /// Photons of a pass that look for caustics, and that look for indirect light.
     counts: [u32; 2],
+    /// Radius of the disks that indirect light is gathered from in the first pass, metres.
+    fixed: f32,
     /// See [`Maps`].
     of_widened: u32,
 }
@@ -150,8 +154,8 @@ impl Maps {
 }
 
 impl<'a> Tracer<'a> {
-    /// For a part of a picture (left, top, width, height); `None` where the plan has no photons.
-    pub(super) fn new(scene: &'a Prepared, crop: [u32; 4]) -> Option<Self> {
+    /// For a part of a picture (left, top, width, height), or some pixels of it; `None` where the plan has no photons.
+    pub(super) fn new(scene: &'a Prepared, crop: [u32; 4], sparse: Option<Sparse>) -> Option<Self> {
         let pixels = u64::from(scene.size[0]) * u64::from(scene.size[1]);
         let caustics = scene.casting().map_or(0, |_| photons(pixels));
         let indirect = match scene.plan.indirect {
@@ -159,8 +163,14 @@ impl<'a> Tracer<'a> {
             Indirect::Photon => pixels.div_ceil(INDIRECT_PIXELS).min(MOST_INDIRECT) as u32,
         };
         let photons = scene.photons().filter(|_| caustics > 0 || indirect > 0)?;
-        let of_widened = of_widened(pixels);
-        Some(Self { scene, photons, crop, counts: [caustics, indirect], of_widened })
+        let fixed = photons.view * (INDIRECT_GATHERED / indirect as f32).sqrt().min(INDIRECT_RADIUS);
+        let (mut counts, mut rendered) = ([caustics, indirect], pixels);
+        if let Some(sparse) = &sparse {
+            let [columns, rows] = sparse.grid();
+            rendered = u64::from(columns) * u64::from(rows);
+            counts = counts.map(|n| n.div_ceil(sparse.coarse() * sparse.coarse()));
+        }
+        Some(Self { scene, photons, crop, sparse, counts, fixed, of_widened: of_widened(rendered) })
     }
 
     /// With so many photons in a pass that look for caustics, and without wider disks.
@@ -203,13 +213,23 @@ impl<'a> Tracer<'a> {
         for i in part {
             let address = Address::photon(self.scene.seed, PhotonUse::Caustics, pass, i);
             trace::walk(walk, &address, share, counters, |landing, counters| {
-                traced.splats.extend(splat::splat(self.scene, landing, &address, self.crop, counters));
+                let seen = splat::splat(self.scene, landing, &address, self.crop, counters);
+                traced.splats.extend(seen.and_then(|splat| self.caught(splat)));
                 if maps && landing.spread == 0 {
                     traced.photons.push(landing.kept());
                 }
             });
         }
         traced
+    }
+
+    /// What the camera sees of a photon, on the film.
+    fn caught(&self, splat: Splat) -> Option<Splat> {
+        let Some(sparse) = &self.sparse else { return Some(splat) };
+        let [left, top, width, _] = self.crop;
+        let pixel = [left + splat.pixel % width, top + splat.pixel / width];
+        let ([column, row], share) = sparse.catches(pixel)?;
+        Some(Splat { pixel: row * sparse.grid()[0] + column, radiance: splat.radiance * share, ..splat })
     }
 
     fn trace_indirect(&self, pass: u32, part: Range<u32>, counters: &mut Counters) -> Traced {
@@ -241,18 +261,18 @@ impl<'a> Tracer<'a> {
         let least = |lengths: &mut dyn Iterator<Item = f32>| lengths.fold(f32::INFINITY, f32::min);
         // What is nearer to the camera than the nearest target gathers as from there.
         let away = |b: SphereLight| self.scene.camera.distance(b.center).max(b.radius);
+        // Fewer photons in wider disks are as many.
+        let coarse = self.sparse.map_or(1.0, |s| s.coarse() as f32);
         let scale = map::Scale {
-            factor: radius.factor,
+            factor: radius.factor * coarse,
             pixel: radius.pixel,
             nearest: least(&mut targets().map(away)),
             smallest: least(&mut targets().map(|b| b.radius)),
         };
-        let few = (INDIRECT_GATHERED / self.counts[1] as f32).sqrt();
-        let fixed = self.photons.view * few.min(INDIRECT_RADIUS);
         Maps {
             caustics: self.maps_caustics().then(|| PhotonMap::new(photons(LightLayer::Caustic), scale, None)),
             indirect: (self.counts[1] > 0)
-                .then(|| PhotonMap::new(photons(LightLayer::Indirect), scale, Some(fixed))),
+                .then(|| PhotonMap::new(photons(LightLayer::Indirect), scale, Some(self.fixed))),
             of_widened: self.of_widened,
         }
     }
