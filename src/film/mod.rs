@@ -31,3 +31,4 @@ pub use state::StateError;
 pub use sums::{Features, Film, FilmLayout, Refusal, Sample};
 pub use tail::Tail;
 pub use widening::MapBias;
+pub(crate) use widening::of_widened;

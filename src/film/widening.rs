@@ -13,6 +13,10 @@
 //! it is taken for one, and the interval has room for others. U may be negative by its noise, whose
 //! variance is that of products of normal numbers, 2 s^4 / (K (K - 1)) + 4 s^2 D^2 / K with s^2 that of one replication;
 //! neighbours share photons, and so are counted together as [`Blocks`] has it.
+//!
+//! The noise of these differences also says how much of the picture's noise is that of gathered photons. These are
+//! independent, so that a sum of them over a disk, weighed by Epanechnikov's kernel K_r, varies as the integral of K_r^2,
+//! 4 / (3 pi r^2), and the difference as that of (K_2r - K_r)^2, which is 9/16 of it.
 
 use super::Film;
 use super::together::Blocks;
@@ -21,6 +25,16 @@ use crate::stats::{NORMAL_95, luminance_of};
 /// Exponents of the radius: a low one, the usual one, and a high one. Pictures have edges and smooth light, so that
 /// neither end of what is possible is likely.
 const EXPONENTS: [f64; 3] = [2.0 / 3.0, 1.0, 1.5];
+
+/// The variance of what disks of twice the radius add over that of the disks themselves.
+const OF_DIFFERENCE: f64 = 9.0 / 16.0;
+
+/// Samples of which one looks at wider disks too, in a picture of so many pixels: what pixels say of the bias of a map
+/// together is the surer the more there are, and the square of that bias goes with the root of their number. Wider disks
+/// hold four times the photons.
+pub(crate) fn of_widened(pixels: u64) -> u32 {
+    ((pixels.isqrt() / 16) as u32).clamp(1, 64)
+}
 
 /// How far photon maps put a picture off.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,15 +70,15 @@ impl MapBias {
 }
 
 impl Film {
-    /// How far photon maps put the picture off; `c` is what E adds to luminances. `None` where there are none, or where
-    /// fewer than two replications have samples everywhere.
-    pub(super) fn map_bias(&self, c: f64) -> Option<MapBias> {
+    /// How far photon maps put the picture off, and the part of E^2 that is noise of the photons in them; `c` is what E
+    /// adds to luminances. `None` where there are none, or where fewer than two replications have samples everywhere.
+    pub(super) fn map_bias(&self, c: f64) -> Option<(MapBias, f64)> {
         let cells = self.widening.as_ref()?;
         let k = self.layout.replications as usize;
         let format = self.layout.radiance;
         let width = self.layout.crop[2] as usize;
         let mut blocks = Blocks::new([width, self.layout.crop[3] as usize], k);
-        let (mut sum, mut variance, mut pixels) = (0.0, 0.0, 0.0);
+        let (mut sum, mut variance, mut noise, mut pixels) = (0.0, 0.0, 0.0, 0.0);
         let mut changes = vec![0.0; k];
         let of_pixels = cells.chunks(k).zip(self.sums.chunks(k)).zip(self.counts.chunks(k));
         for (pixel, ((widening, light), counts)) in of_pixels.enumerate() {
@@ -86,6 +100,7 @@ impl Film {
             let square = (all * all - squares) / (n * (n - 1.0));
             let own = (squares - all * all / n) / (n - 1.0);
             sum += square;
+            noise += own / n;
             // The square of an estimate of a variance is too large on average.
             let fourth = own * own / (1.0 + 2.0 / (n - 1.0));
             variance += 2.0 * fourth / (n * (n - 1.0)) + 4.0 * own * square.max(0.0) / n;
@@ -96,7 +111,9 @@ impl Film {
         if pixels == 0.0 {
             return None;
         }
-        Some(MapBias::new(sum / pixels, (variance * blocks.factor()).sqrt() / pixels))
+        let [width, height] = self.layout.full_size.map(u64::from);
+        let gathered = noise / pixels / (OF_DIFFERENCE * f64::from(of_widened(width * height)));
+        Some((MapBias::new(sum / pixels, (variance * blocks.factor()).sqrt() / pixels), gathered))
     }
 }
 
@@ -109,8 +126,12 @@ mod tests {
 
     const SIDE: u32 = 32;
 
-    /// A picture of ones in which doubling the radius changes the luminance by `change`, with noise around it.
     fn bias(change: f64, noise: f64, name: u64) -> MapBias {
+        found(change, noise, name).0
+    }
+
+    /// A picture of ones in which doubling the radius changes the luminance by `change`, with noise around it.
+    fn found(change: f64, noise: f64, name: u64) -> (MapBias, f64) {
         let mut film = Film::new(FilmLayout { widening: true, ..FilmLayout::plain([SIDE; 2]) });
         let mut state = mix64(name);
         let mut unit = || {
@@ -163,6 +184,23 @@ mod tests {
         assert!((found.error - 0.01).abs() < 1e-12 && (found.interval[1] - 0.04).abs() < 1e-12, "{found:?}");
         assert!((found.interval[0] * 8.0f64.sqrt() - 0.008).abs() < 1e-12, "{found:?}");
         assert_eq!(found.of_narrower(1.0), found);
+    }
+
+    /// By hand: differences that vary by 0.01 from sample to sample, of which one in two is looked at, are of photons whose
+    /// sums vary by 0.01 / 2 / (9 / 16); means of 16 by a sixteenth.
+    #[test]
+    fn differences_tell_noise() {
+        assert_eq!(of_widened(u64::from(SIDE * SIDE)), 2);
+        let (_, gathered) = found(0.01, 0.1, 3);
+        let expected = 0.01 / 2.0 * 16.0 / 9.0 / 16.0 / 1.01;
+        assert!((gathered / expected - 1.0).abs() < 0.1, "{gathered} {expected}");
+    }
+
+    /// Guards how many samples look at wider disks: each in small pictures, and few in large ones.
+    #[test]
+    fn few_samples_look_at_wider_disks() {
+        let of = of_widened;
+        assert_eq!([of(1), of(31 * 31), of(64 * 64), of(512 * 512), of(1 << 30)], [1, 1, 4, 32, 64]);
     }
 
     /// Guards that films without maps have no such figure.

@@ -147,11 +147,4 @@ mod tests {
         }
         assert!(largest > 0.01, "{largest}");
     }
-
-    /// Guards how many samples look at wider disks: each in small pictures, and few in large ones.
-    #[test]
-    fn few_samples_look_at_wider_disks() {
-        let of = photon::of_widened;
-        assert_eq!([of(1), of(31 * 31), of(64 * 64), of(512 * 512), of(1 << 30)], [1, 1, 4, 32, 64]);
-    }
 }

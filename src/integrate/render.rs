@@ -32,7 +32,7 @@ pub struct RenderOptions {
     /// Left, top, width and height of the part to render, pixels of the whole picture.
     pub crop: Option<[u32; 4]>,
     /// Renders some of the pixels instead of all of them, onto a film of as many: to learn about a picture from a
-    /// part of it. It has been made for the same `crop`.
+    /// part of it, or of `crop`.
     pub sparse: Option<Sparse>,
     /// Whether to record features of the first surface (albedo, normal, depth, position, ids).
     pub features: bool,
@@ -380,6 +380,11 @@ pub fn render_onto(
         return Err(RenderError::Film);
     }
     let features = options.features || scene.transparent;
+    if let Some(sparse) = &options.sparse
+        && !sparse.is_of(scene.size, options.shown(scene))
+    {
+        return Err(RenderError::Crop { crop: options.shown(scene), size: scene.size });
+    }
     let layers = options.layers || options.layer_noise;
     let tracer = Tracer::new(scene, options.shown(scene), options.sparse);
     // What the film does not keep need not be traced.

@@ -43,6 +43,12 @@ impl Sparse {
         Some(Self { crop, grid, coarse: coarse.clamp(1, smallest) })
     }
 
+    /// Whether it covers this part of a picture, which is inside of it.
+    pub(super) fn is_of(&self, size: [u32; 2], crop: [u32; 4]) -> bool {
+        let end = |axis: usize| u64::from(crop[axis]) + u64::from(crop[2 + axis]);
+        self.crop == crop && (0..2).all(|axis| end(axis) <= u64::from(size[axis]))
+    }
+
     /// Columns and rows of the pixels that are rendered.
     #[must_use]
     pub fn grid(&self) -> [u32; 2] {

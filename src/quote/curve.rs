@@ -26,6 +26,9 @@ const NOISIEST: f64 = 0.12;
 /// proportion to them below: from the curves of eleven scenes.
 const OFF: (f64, u32) = (0.03, 128);
 
+/// The share of the noise that gathered photons may have at most: something is left to fit.
+const MOST_GATHERED: f64 = 0.95;
+
 /// Errors at growing numbers of passes.
 #[derive(Clone, Debug, Default)]
 pub struct Curve {
@@ -45,6 +48,8 @@ struct Point {
     together: f64,
     /// The square of the bias of photon maps, and how far its upper end is from that.
     bias: [f64; 2],
+    /// As [`Squares`] has it.
+    gathered: f64,
 }
 
 /// A number of samples for each pixel, as it was foreseen.
@@ -83,7 +88,8 @@ impl Curve {
             let [square, end] = [b.error, b.interval[1]].map(|e| e * e);
             [square, end - square]
         });
-        self.points.push(Point { passes, groups, effective_pixels, together: squares.together, bias });
+        let (together, gathered) = (squares.together, squares.gathered);
+        self.points.push(Point { passes, groups, effective_pixels, together, bias, gathered });
     }
 
     /// The points that a law is fitted to.
@@ -108,16 +114,21 @@ impl Curve {
             points.find(|p| p.weighted(weights) + p.bias[0] <= wanted)
         };
         let within = reached(&[1.0; GROUPS]).is_some();
+        let gathered = last.gathered / last.weighted(&[1.0; GROUPS]).max(f64::MIN_POSITIVE);
+        let gathered = gathered.clamp(0.0, MOST_GATHERED);
         let stops = |weights: &[f64; GROUPS]| {
             // Noise at the first points is no reason to stop there, where the curve itself does not.
             if let Some(reached) = reached(weights).filter(|_| within) {
                 return Some(f64::from(reached.passes));
             }
-            let points = fitted.iter().map(|p| (f64::from(p.passes), p.weighted(weights)));
+            let n = f64::from(last.passes);
+            let known = Law::default().with_gathered(gathered * last.weighted(weights).max(0.0), n);
+            let rest =
+                |p: &&Point| (f64::from(p.passes), p.weighted(weights) - known.at(f64::from(p.passes)));
             // Noise may make some of them negative.
-            let points: Vec<_> = points.filter(|(_, e2)| *e2 > 0.0).collect();
-            let law = Law::fit(&points)?.with_bias(last.bias[0], f64::from(last.passes));
-            Some(law.samples(wanted).max(f64::from(last.passes)))
+            let points: Vec<_> = fitted.iter().map(rest).filter(|(_, e2)| *e2 > 0.0).collect();
+            let law = Law::fit(&points)?.with_gathered(known.at(n), n).with_bias(last.bias[0], n);
+            Some(law.samples(wanted).max(n))
         };
         let middle = stops(&[1.0; GROUPS])?;
         let mut state = 0u64;
@@ -188,7 +199,7 @@ mod tests {
                 ((1.0 + noise * (2.0 * u - 1.0)) / f64::from(passes)) as f32
             };
             let of_pixels = (0..pixels).map(t).collect();
-            curve.add(passes, &Squares { of_pixels, together: 1.0, map_bias: bias });
+            curve.add(passes, &Squares { of_pixels, together: 1.0, map_bias: bias, gathered: 0.0 });
         }
         curve
     }
@@ -248,7 +259,7 @@ mod tests {
                 of_pixels[0] += 4000.0 / 16.0;
                 of_pixels[1] -= 4000.0 / 16.0;
             }
-            curve.add(passes, &Squares { of_pixels, together: 1.0, map_bias: None });
+            curve.add(passes, &Squares { of_pixels, together: 1.0, map_bias: None, gathered: 0.0 });
         }
         // As without it: 389 samples, of which the next look is after 400, and 10 % to either side.
         let found = curve.forecast(0.0507).expect("points");

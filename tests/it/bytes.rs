@@ -5,7 +5,7 @@
 use epsilux::color::Rgb;
 use epsilux::film::Image;
 use epsilux::glam::{DAffine3, DVec3};
-use epsilux::integrate::{Quiet, RenderOptions, Sparse, render, replay};
+use epsilux::integrate::{Quiet, RenderError, RenderOptions, Sparse, render, replay};
 use epsilux::output::{WriteOptions, write};
 use epsilux::prepare::{
     Algorithms, Caustics, CausticsMode, EffectsMode, Indirect, Options, Plan, Prepared, prepare,
@@ -572,6 +572,8 @@ fn some_pixels_are_those_of_all() {
         let crop = [3, 2, 15, 12];
         let sparse = Sparse::new(SIZE, crop, 30, u64::MAX).expect("fewer");
         let some = picture(&scene, &RenderOptions { crop: Some(crop), sparse: Some(sparse), ..plain() });
+        let other = RenderOptions { sparse: Some(sparse), ..plain() };
+        assert!(matches!(render(&scene, &other, &Quiet), Err(RenderError::Crop { .. })), "another part");
         let [columns, rows] = sparse.grid();
         assert!(
             (columns * rows).abs_diff(30) <= 2 && some.rgb.len() == (columns * rows) as usize,

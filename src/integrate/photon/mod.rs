@@ -42,7 +42,7 @@ use std::ops::Range;
 
 use super::path::Counters;
 use super::sparse::Sparse;
-use crate::film::LightLayer;
+use crate::film::{LightLayer, of_widened};
 use crate::light::SphereLight;
 use crate::prepare::{Casting, Caustics, Indirect, Photons, Prepared};
 use crate::sampling::{Address, PhotonUse, Purpose};
@@ -97,13 +97,6 @@ impl Radius {
         });
         powers.sum::<f64>() / f64::from(passes.max(1))
     }
-}
-
-/// Samples of which one looks at wider disks too, in a picture of so many pixels: what pixels say of the bias of a map
-/// together is the surer the more there are, and the square of that bias goes with the root of their number. Wider disks
-/// hold four times the photons.
-pub(super) fn of_widened(pixels: u64) -> u32 {
-    ((pixels.isqrt() / 16) as u32).clamp(1, 64)
 }
 
 /// Whether paths through a scene gather photons.
