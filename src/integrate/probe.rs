@@ -103,11 +103,10 @@ mod tests {
     use crate::prepare::{Algorithms, CausticsMode, EffectsMode, Options, Shortcuts, prepare};
     use crate::scene::text::parse_toml;
     use crate::scene::{complete, validate};
+    use crate::stats::Moments;
 
-    /// Guards what wider disks add, as samples record it, by pictures with either: in a picture so small that each sample
-    /// looks at wider disks.
-    #[test]
-    fn wider_disks_add_what_they_show() {
+    /// A pane of glass, 24x24 pixels, by photons.
+    fn slab() -> Prepared {
         let mut scene =
             parse_toml(include_str!("../../fixtures/golden/glass-slab/scene.toml")).expect("a scene").0;
         validate(&mut scene).expect("a valid scene");
@@ -123,7 +122,36 @@ mod tests {
             transparent: false,
             algorithms,
         };
-        let prepared = prepare(&scene, &options).expect("a camera");
+        prepare(&scene, &options).expect("a camera")
+    }
+
+    /// Guards what is said of the noise of gathered photons (see [`crate::film::MapBias`]): disks of twice the area take
+    /// half of it away, and the difference to disks of twice the radius varies by 9/16 of it.
+    #[test]
+    fn wider_disks_tell_the_noise_of_photons() {
+        const PASSES: u32 = 96;
+        let prepared = slab();
+        let probe = Probe::new(&prepared, photon::photons(24 * 24));
+        let radii = [0.5, 0.5 * std::f32::consts::SQRT_2, 1.0].map(|factor| Radius { factor, pixel: 1.0 });
+        let mut moments = vec![[Moments::default(); 3]; 24 * 24];
+        for pass in 0..PASSES {
+            let [own, larger, wide] = probe.photons(pass, radii).map(|photons| probe.pass(pass, &photons));
+            for (i, m) in moments.iter_mut().enumerate() {
+                m[0].add(own[i].luminance);
+                m[1].add(larger[i].luminance);
+                m[2].add(wide[i].luminance - own[i].luminance);
+            }
+        }
+        let variance = |k: usize| moments.iter().map(|m| m[k].variance()).sum::<f64>();
+        let [halved, told] = [2.0 * (variance(0) - variance(1)), 16.0 / 9.0 * variance(2)];
+        assert!((told / halved - 1.0).abs() < 0.1, "{told} {halved} of {}", variance(0));
+    }
+
+    /// Guards what wider disks add, as samples record it, by pictures with either: in a picture so small that each sample
+    /// looks at wider disks.
+    #[test]
+    fn wider_disks_add_what_they_show() {
+        let prepared = slab();
         let count = photon::photons(24 * 24);
         let probe = Probe::new(&prepared, count);
         let radii = [1.0, 2.0].map(|factor| Radius { factor, pixel: 1.0 });

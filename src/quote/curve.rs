@@ -236,6 +236,25 @@ mod tests {
         assert!(above.forecast(1e-3f64.sqrt()).expect("points").samples > 1024);
     }
 
+    /// By hand: E^2 = 1 / (2 n) + (64 / n)^(2/3) / 128, of which half is noise of gathered photons after 64 samples, is
+    /// 1 / 8192 + 1 / 2048 after 4096.
+    #[test]
+    fn gathered_photons_take_more_samples() {
+        let of = |share: f64| {
+            let mut curve = Curve::new(1.0);
+            for passes in (8..=64).filter(|&n| is_looked_at(n)) {
+                let n = f64::from(passes);
+                let gathered = libm::pow(64.0 / n, 2.0 / 3.0) / 128.0;
+                let of_pixels = vec![(0.5 / n + gathered) as f32; 4096];
+                let gathered = share * gathered;
+                curve.add(passes, &Squares { of_pixels, together: 1.0, map_bias: None, gathered });
+            }
+            curve.forecast((5.0f64 / 8192.0).sqrt()).expect("points").samples
+        };
+        assert!((4096..=4352).contains(&of(1.0)), "{}", of(1.0));
+        assert!(of(0.0) < 2400, "{}", of(0.0));
+    }
+
     /// Guards that an error which is reached within the curve is read off, and that single groups that noise makes small
     /// at first are no reason to stop there.
     #[test]

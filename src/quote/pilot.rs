@@ -186,7 +186,7 @@ pub fn pilot(
         (film, passes) = (more.film, more.passes.end);
         let error = squares(&film, coarse).map(|s| film.error_of(&s));
         let clear = error.is_some_and(|e| is_clear(&e, every))
-            && length.narrow.is_none_or(|e| is_narrow(&notes.curve(), e));
+            && length.narrow.is_none_or(|e| notes.curve().forecast(e).is_some_and(|f| is_narrow(&f, passes)));
         if clear || more.cancelled || asked >= longest {
             break (error, more.threads);
         }
@@ -220,12 +220,11 @@ fn is_clear(error: &ErrorEstimate, every: f64) -> bool {
     error.error <= ErrorEstimate::NOISIEST && carry >= FEWEST && carry * every >= ErrorEstimate::FEWEST_PIXELS
 }
 
-/// Whether the quote of an error is as narrow as quotes should be.
-fn is_narrow(curve: &Curve, error: f64) -> bool {
-    curve.forecast(error).is_some_and(|found| {
-        let [low, high] = found.interval.map(f64::from);
-        high - low <= 2.0 * WIDEST * f64::from(found.samples)
-    })
+/// Whether a quote after so many passes is as narrow as quotes should be, or as it gets: what was reached by then is known
+/// no better after more of them.
+fn is_narrow(found: &Forecast, passes: u32) -> bool {
+    let [low, high] = found.interval.map(f64::from);
+    found.samples <= passes || high - low <= 2.0 * WIDEST * f64::from(found.samples)
 }
 
 /// What renders took together.
@@ -270,4 +269,17 @@ fn shares(film: &Film, counters: &Counters, every: f64, coarse: u32) -> Vec<Effe
     let mut list: Vec<EffectShare> = film.layer_shares().into_iter().flatten().map(of).collect();
     list.sort_by(|a, b| b.noise.total_cmp(&a.noise));
     list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Guards that pilots do not go on for what they know.
+    #[test]
+    fn what_was_reached_is_narrow_enough() {
+        let wide = Forecast { samples: 352, interval: [272, 480] };
+        let narrow = Forecast { samples: 352, interval: [300, 420] };
+        assert!(is_narrow(&wide, 352) && !is_narrow(&wide, 348) && is_narrow(&narrow, 348));
+    }
 }

@@ -3,7 +3,7 @@
 use epsilux::film::{ErrorEstimate, Film, LightLayer, Squares};
 use epsilux::integrate::{Quiet, RenderOptions, Sparse, render};
 use epsilux::prepare::{Algorithms, CausticsMode, Options, Prepared, prepare};
-use epsilux::quote::{Curve, Length, Pilot, pilot};
+use epsilux::quote::{Length, Pilot, pilot};
 use epsilux::scene::text::parse_toml;
 
 use crate::support::fast::options;
@@ -12,7 +12,6 @@ use crate::support::seed::seed;
 const HEXROOM: &str = include_str!("../../scenes/hexroom.toml");
 const CORNELL: &str = include_str!("../../scenes/cornell.toml");
 const PENUMBRA: &str = include_str!("../../fixtures/golden/sphere-penumbra/scene.toml");
-const SLAB: &str = include_str!("../../fixtures/golden/glass-slab/scene.toml");
 const SHEEN: &str = include_str!("../../fixtures/golden/coat-sheen/scene.toml");
 
 fn prepared(text: &str, side: u32, name: &str) -> Prepared {
@@ -59,24 +58,6 @@ fn renders_stop_where_they_were_quoted_to() {
         assert!(logs.abs() <= libm::log(1.15), "{name}: {}\n{}", libm::exp(logs), runs.join("\n"));
     }
     assert!(held >= 15, "{held} of 18 intervals");
-}
-
-/// Guards forecasts of what photon maps are noisy by, which falls as n^(-2/3): from 64 samples of a pane of glass whose
-/// light comes from a map for the most part, those that the error after 512 takes. As 1/n it would be 200 to 300.
-#[test]
-fn photons_in_maps_fall_more_slowly() {
-    let algorithms = Algorithms { caustics: CausticsMode::Photon, ..Algorithms::PATHS };
-    let options = Options { algorithms, ..options([48; 2], seed("photons in maps"), None) };
-    let scene = prepare(&parse_toml(SLAB).expect("a scene of the project").0, &options).expect("a camera");
-    let film = |passes| render(&scene, &RenderOptions::passes(0..passes), &Quiet).expect("passes").film;
-    let squares = film(512).error_squares().expect("squares");
-    let mut curve = Curve::new(1.0);
-    for passes in [16, 20, 24, 28, 32, 40, 48, 56, 64] {
-        curve.add(passes, &film(passes).error_squares().expect("squares"));
-    }
-    let found = curve.forecast(squares.estimate().error).expect("points");
-    assert!((0.75..1.3).contains(&(f64::from(found.samples) / 512.0)), "{found:?} {:?}", squares.estimate());
-    assert!((found.interval[0]..=found.interval[1]).contains(&512), "{found:?}");
 }
 
 /// Guards how long a pilot is: it goes on for a quote that would be wide, but not beyond four times its rays, nor where
