@@ -69,6 +69,14 @@ pub enum Doubt {
     },
 }
 
+impl Doubt {
+    /// Whether it is that light is missing, which an estimate alone does not know.
+    #[must_use]
+    pub fn is_of_light(&self) -> bool {
+        matches!(self, Self::LightNotFound { .. } | Self::LightNotReached { .. })
+    }
+}
+
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shown {
@@ -132,6 +140,14 @@ impl Film {
         let (fine, traced) = (Level::fine(size), cross.traced as f64);
         // Photons are kept as what they add to the mean of the picture, over the scale.
         let whole = self.pixels() as f64 * f64::from(self.layout.radiance.scale());
+        let mut tiles = vec![Shown::default(); fine.len()];
+        for (y, row) in (0..).zip(shown.chunks(width as usize)) {
+            for (x, s) in (0..).zip(row) {
+                let tile = &mut tiles[fine.cell(x, y)];
+                tile.luminance += s.luminance;
+                tile.variance += s.variance;
+            }
+        }
         let mut all = Vec::new();
         for (i, level) in Level::all(size).iter().enumerate() {
             let photons = |sums: &[i128; 2]| {
@@ -150,15 +166,14 @@ impl Film {
                 }
             };
             let mut cells: Vec<CrossCell> = (0..level.len()).map(cell).collect();
-            for (i, s) in (0..).zip(&shown) {
-                let cell = &mut cells[level.cell(i % width, i / width)];
-                cell.luminance += s.luminance;
-                cell.variance += s.variance;
-            }
-            for (tile, (paths, &n)) in cross.paths.iter().zip(&cross.tiles).enumerate() {
+            for (tile, (shown, (paths, &n))) in
+                tiles.iter().zip(cross.paths.iter().zip(&cross.tiles)).enumerate()
+            {
                 let [x, y, ..] = fine.bounds(tile, size);
-                let ways = &mut cells[level.cell(x, y)].by_class;
-                for (way, &sum) in ways.iter_mut().zip(paths) {
+                let cell = &mut cells[level.cell(x, y)];
+                cell.luminance += shown.luminance;
+                cell.variance += shown.variance;
+                for (way, &sum) in cell.by_class.iter_mut().zip(paths) {
                     way.paths += self.layout.radiance.mean(sum, n);
                 }
             }

@@ -152,14 +152,17 @@ impl Film {
     pub(super) fn shown(&self) -> Vec<Shown> {
         let k = self.layout.replications as usize;
         let format = self.layout.radiance;
-        let of_pixel = |(sums, counts): (&[[i128; 3]], &[u32])| {
+        let (mut all, mut means) = (Vec::with_capacity(self.pixels()), Vec::with_capacity(k));
+        for (sums, counts) in self.sums.chunks(k).zip(self.counts.chunks(k)) {
+            means.clear();
             let own = sums.iter().zip(counts).filter(|(_, n)| **n > 0);
-            let means: Vec<_> =
-                own.map(|(s, &n)| (luminance_of(s.map(|s| format.mean(s, n))), f64::from(n))).collect();
-            (means.len() >= 2).then(|| Shown { luminance: pooled(&means).0, variance: variance(&means) })
-        };
-        let pixels = self.sums.chunks(k).zip(self.counts.chunks(k));
-        pixels.map(of_pixel).collect::<Option<Vec<_>>>().unwrap_or_default()
+            means.extend(own.map(|(s, &n)| (luminance_of(s.map(|s| format.about_mean(s, n))), f64::from(n))));
+            if means.len() < 2 {
+                return Vec::new();
+            }
+            all.push(Shown { luminance: pooled(&means).0, variance: variance(&means) });
+        }
+        all
     }
 
     /// What each pixel adds to the square of the error; `None` as for [`Self::error`].

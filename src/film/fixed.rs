@@ -102,4 +102,22 @@ mod tests {
         let sum = f.encode(0.1) * 100_000_000;
         assert_eq!(f.mean(sum, 100_000_000) as f32, 0.1);
     }
+
+    /// Guards means for estimates against exact ones: sums of either sign, from the least bit to the largest.
+    #[test]
+    fn about_is_within_roundings() {
+        let f = FixedPoint::around(3.0);
+        for bits in 0..127 {
+            for sum in [1i128 << bits, (1 << bits) + 12_345, (1 << bits) / 3 * 2] {
+                for sum in [sum, -sum] {
+                    let [about, exact] = [f.about_mean(sum, 7), f.mean(sum, 7)];
+                    assert!(
+                        (about - exact).abs() <= 4.0 * f64::EPSILON * exact.abs(),
+                        "{sum}: {about} {exact}"
+                    );
+                }
+            }
+        }
+        assert_eq!([f.about_mean(0, 7), f.about_mean(1 << 70, 0)], [0.0; 2]);
+    }
 }

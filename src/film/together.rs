@@ -52,14 +52,11 @@ impl Blocks {
         debug_assert_eq!(deviations.len(), k);
         let begin = (y / SIDE * self.size[0] + x / SIDE) * self.stride();
         let sums = &mut self.sums[begin..=begin + k * k];
-        let mut own = 0.0;
-        for (r, &a) in deviations.iter().enumerate() {
-            own += a * a;
-            for (sum, &b) in sums[r * k..].iter_mut().zip(deviations) {
-                *sum += a * b;
-            }
+        // Where lengths are known, as of four replications, it takes a third of the instructions.
+        match (<&mut [f64; 17]>::try_from(&mut *sums), <&[f64; 4]>::try_from(deviations)) {
+            (Ok(sums), Ok(deviations)) => add_products(sums, deviations),
+            _ => add_products(sums, deviations),
         }
-        sums[k * k] += own * own;
     }
 
     /// Blocks of twice the side.
@@ -118,6 +115,20 @@ impl Blocks {
         let n = blocks as f64;
         Some((excess, (squares * n / (n - 1.0)).sqrt() / whole))
     }
+}
+
+/// Adds the products of deviations, row by row, and the square of the sum of their squares behind them.
+#[inline(always)]
+fn add_products(sums: &mut [f64], deviations: &[f64]) {
+    let k = deviations.len();
+    let mut own = 0.0;
+    for (r, &a) in deviations.iter().enumerate() {
+        own += a * a;
+        for (sum, &b) in sums[r * k..].iter_mut().zip(deviations) {
+            *sum += a * b;
+        }
+    }
+    sums[k * k] += own * own;
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use super::path::Counters;
 use super::photon::{Maps, Photon, Radius, Second, Seen, Splat, Tracer};
 use super::render::{BadSample, Busy, Control, Outcome, Progress, RenderError, RenderOptions};
-use crate::film::{CELL, ErrorEstimate, Film, Found, LightLayer, Refusal, Sample};
+use crate::film::{CELL, Doubt, ErrorEstimate, Film, Found, LightLayer, Refusal, Sample};
 
 /// Side of a tile, pixels: light is compared by tiles.
 const TILE: u32 = CELL;
@@ -198,6 +198,11 @@ pub fn is_looked_at(passes: u32) -> bool {
     passes >= 8 && passes.is_multiple_of((octave / 16).max(4))
 }
 
+/// Whether doubts are looked for after so many passes, where the error is not reached: four times in each octave.
+fn is_doubted_at(passes: u32) -> bool {
+    passes.is_multiple_of(((1 << passes.max(1).ilog2()) / 4).max(16))
+}
+
 impl Job<'_> {
     /// Takes tiles, and parts of photons, until there are none.
     fn work(&self) {
@@ -349,7 +354,14 @@ impl Job<'_> {
                 && let Some(squares) = state.film.error_squares()
             {
                 self.control.looked(done, &squares);
-                let found = state.film.error_of(&squares);
+                let mut found = squares.estimate();
+                // Doubts take as long as the estimate. They matter where the error is reached; whoever watches hears of them.
+                if found.error <= target || is_doubted_at(done) {
+                    found = state.film.error_of(&squares);
+                } else if let Some((before, _)) = state.error {
+                    found.doubt = found.doubt.or(before.doubt.filter(Doubt::is_of_light));
+                    found.trusted = found.doubt.is_none();
+                }
                 state.error = Some((found, done));
                 state.reached = found.trusted && found.error <= target;
             }

@@ -21,7 +21,7 @@ use crate::prepare::{Photons, Prepared};
 use crate::sampling::{Address, PhotonUse};
 
 /// Pixels for which there is one photon in each pass.
-const PIXELS: u64 = 48;
+const PIXELS: u64 = 64;
 
 /// Traces photons beside the paths.
 pub(in crate::integrate) struct Second<'a> {
