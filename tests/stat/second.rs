@@ -148,7 +148,7 @@ fn rooms() {
     let cornell = parse_toml(include_str!("../../scenes/cornell.toml")).expect("a scene").0;
     let scenes = [("hexroom", hexroom), ("cornell", cornell), ("everything", features::everything())];
     let scenes = scenes.map(|(name, scene)| (name.to_owned(), scene)).to_vec();
-    check_all(scenes, [128, 2560], |name| if name == "everything" { 0.6 } else { 0.07 });
+    check_all(scenes, [128, 3200], |name| if name == "everything" { 0.6 } else { 0.07 });
 }
 
 /// A render of some passes, and why its error is doubted.
@@ -177,7 +177,7 @@ fn called(scene: &Scene, light: u8) -> String {
 fn a_pinhole_is_noticed() {
     let scene = file(include_str!("../../fixtures/text/pinhole.toml"));
     for run in 0..2 {
-        match doubt(&scene, seed("pinhole") ^ run, CausticsMode::Path, 64) {
+        match doubt(&scene, seed("pinhole") ^ run, CausticsMode::Path, 96) {
             Some(Doubt::LightNotFound { share, light: Some(light), caustic: false, .. }) => {
                 assert!(share > 0.05, "{share}");
                 assert_eq!(called(&scene, light), "light \"lamp\"");
