@@ -100,7 +100,7 @@ struct QuoteJson<'a> {
 #[derive(Serialize)]
 struct PilotJson {
     samples: u32,
-    every: f64,
+    every: u32,
     rays: u64,
     seconds: f64,
     threads: usize,
@@ -177,7 +177,7 @@ pub(super) fn run(args: &QuoteArgs, console: &Console) -> Result<Code, Failure> 
             caustics: prepared.plan.caustics.name(),
             pilot: PilotJson {
                 samples: pilot.passes,
-                every: pilot.every.round(),
+                every: pilot.one_in(),
                 rays: pilot.rays,
                 seconds: pilot.elapsed.as_secs_f64(),
                 threads: pilot.threads,
@@ -228,8 +228,8 @@ fn prepare(
 }
 
 fn write_pilot(text: &mut String, pilot: &Pilot) {
-    let where_ = match pilot.every.round() {
-        1.0 => "of each pixel".to_owned(),
+    let where_ = match pilot.one_in() {
+        1 => "of each pixel".to_owned(),
         n => format!("of one pixel in {n}"),
     };
     let seconds = show_time(pilot.elapsed.as_secs_f64());

@@ -406,7 +406,9 @@ impl Job {
         let outcome = integrate::render_onto(&prepared, film, &options, &control).map_err(|e| match e {
             RenderError::Crop { .. } => Failure::usage(format!("--crop: {e}")),
             RenderError::Film => Failure::usage(format!("--checkpoint: {e}")),
-            RenderError::NoPasses | RenderError::Threads { .. } => Failure::usage(e.to_string()),
+            RenderError::NoPasses | RenderError::Sparse | RenderError::Threads { .. } => {
+                Failure::usage(e.to_string())
+            }
         })?;
         if let Some(saver) = &saver {
             saver.finish(&outcome)?;

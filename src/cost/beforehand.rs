@@ -41,13 +41,7 @@ pub(super) fn prediction(
         let [low, high] = q.samples_interval.map(f64::from);
         Interval { value: f64::from(q.samples), low, high }
     });
-    Ok(Some(Prediction {
-        after: pilot.passes,
-        every: pilot.every.round() as u32,
-        error,
-        samples,
-        came: last.spp,
-    }))
+    Ok(Some(Prediction { after: pilot.passes, every: pilot.one_in(), error, samples, came: last.spp }))
 }
 
 /// How many statements of the last pictures hold their true error, and of how many.

@@ -5,17 +5,16 @@
 //!
 //! Within the points, the line says how many samples an error takes. Beyond, the slope 1/2 of independent samples,
 //! or the end of the interval of s that is nearest to it: a slope is believed only as far as it is proved. The
-//! interval of the samples comes from the spread of E^2 over the seeds at the last point. Where errors were not seen to
-//! fall there is no line to continue: rare light that few samples have met so far makes them grow, and most of it may
-//! be missing yet.
+//! interval of the samples comes from the spread of E^2 over the seeds at the last point. Where errors grew, or are proved to
+//! fall more slowly than the fourth root of samples, there is no line to continue: rare light that few samples have met so far
+//! makes them so, and most of it may be missing yet.
 
-use crate::film::ErrorEstimate;
 use crate::stats::{Interval, slope, student_quantile};
 
 /// Points at the end that the line goes through, at most.
 const LAST: usize = 5;
 
-/// Slopes below are proved to be no beginning of convergence.
+/// The least slope that a line is continued with.
 const SLOWEST: f64 = 0.25;
 
 /// A line through errors over samples, both as logarithms.
@@ -67,36 +66,35 @@ impl Fit {
         })
     }
 
-    /// Whether the errors were seen to fall, so that the line goes on.
+    /// Whether the errors fall as those of a picture do that converges, so that the line goes on.
     #[must_use]
-    pub fn falls(&self) -> bool {
-        let begun = self.slope.low > 0.0 || self.last.value <= ErrorEstimate::NOISIEST;
-        begun && self.slope.high >= SLOWEST
+    pub fn converges(&self) -> bool {
+        self.slope.value > 0.0 && self.slope.high >= SLOWEST
     }
 
-    /// The error after so many samples, positive; `None` beyond the points where errors were not seen to fall.
+    /// The error after so many samples, positive; `None` beyond the points where it does not converge.
     #[must_use]
     pub fn error(&self, samples: f64) -> Option<f64> {
         let last = f64::from(self.over[1]);
         if samples <= last {
             Some(libm::exp(self.intercept - self.slope.value * libm::log(samples)))
-        } else if self.falls() {
+        } else if self.converges() {
             Some(self.last.value * libm::exp(-self.slope_beyond() * libm::log(samples / last)))
         } else {
             None
         }
     }
 
-    /// Samples that an error takes, both positive; `None` where errors were not seen to fall.
+    /// Samples that an error takes, both positive; `None` where it does not converge.
     #[must_use]
     pub fn samples(&self, error: f64) -> Option<Interval> {
-        if !self.falls() {
+        if !self.converges() {
             return None;
         }
         let last = f64::from(self.over[1]);
         let on_line = libm::exp((self.intercept - libm::log(error)) / self.slope.value);
         let beyond = |end: f64| last * libm::exp(libm::log(end / error) / self.slope_beyond());
-        let value = if self.slope.value > 0.0 && on_line <= last { on_line } else { beyond(self.last.value) };
+        let value = if on_line <= last { on_line } else { beyond(self.last.value) };
         // How much the points vary is known best at the last one.
         let low = beyond(self.last.low) / beyond(self.last.value);
         let high = beyond(self.last.high) / beyond(self.last.value);
@@ -171,14 +169,14 @@ mod tests {
 
     /// Errors that grow, be it by chance, have no price, nor those that fall too slowly to be those of noise.
     #[test]
-    fn what_was_not_seen_to_fall_has_no_price() {
+    fn what_does_not_converge_has_no_price() {
         let mut grows = points(0.1, &[1.0; 4]);
         // One seed meets rare light late.
         grows[6].1[0] *= 40.0;
         let fit = Fit::new(&grows).expect("enough points");
-        assert!(fit.last.value > 0.5 && !fit.falls(), "{fit:?}");
+        assert!(fit.slope.value < 0.0 && fit.slope.high > 0.25 && !fit.converges(), "{fit:?}");
         assert!(fit.samples(0.01).is_none() && fit.error(128.0).is_none() && fit.error(32.0).is_some());
-        assert!(!Fit::new(&points(0.1, &[1.0; 4])).expect("enough points").falls());
+        assert!(!Fit::new(&points(0.1, &[1.0; 4])).expect("enough points").converges());
     }
 
     /// Too little to draw a line through, and errors that are none.

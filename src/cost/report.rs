@@ -77,9 +77,10 @@ pub struct Measured {
     pub change: Interval,
     /// What the error does not fall below, relative: the root of the squared bias; zero where none is proved.
     pub floor: Interval,
-    /// Seconds that it takes to some errors; of a shortcut to as much noise. Empty where errors were not seen to fall.
+    /// Seconds that it takes to some errors; of a shortcut to as much noise. Empty where it does not converge.
     pub prices: Vec<Price>,
-    /// 1 / (V T) over that of the full method: how many times less its noise costs.
+    /// 1 / (V T) over that of the full method: how many times less its noise costs. Unknown where one of both does not
+    /// converge.
     pub efficiency: Option<f64>,
     /// Until when a shortcut is the better choice.
     pub until: Until,
@@ -121,6 +122,8 @@ pub enum Until {
     Never,
     /// As far as was measured: no bias was proved.
     NotSeen,
+    /// Nobody knows: one of both does not converge.
+    NotKnown,
     /// Until then: (V T of the full method less its own) / bias^2.
     Seconds {
         /// Processor seconds.
@@ -169,6 +172,12 @@ pub(super) struct Runs {
 }
 
 impl Runs {
+    /// The squared error of each seed at each level; of a shortcut that of its noise alone.
+    fn squares(&self, kind: Kind) -> Vec<(u32, Vec<f64>)> {
+        let of = |p: &Parts| if kind == Kind::Shortcut { p.variances.clone() } else { p.squares.clone() };
+        self.levels.iter().zip(&self.parts).map(|(n, parts)| (*n, of(parts))).collect()
+    }
+
     /// V T: what noise costs; none where it was not measured.
     fn price_of_noise(&self, kind: Kind, seconds_per_pass: f64) -> Option<f64> {
         let (n, parts) = (f64::from(*self.levels.last()?), self.parts.last()?);
@@ -185,10 +194,7 @@ impl Measured {
         let quartile = |q: f64| quantile(&sorted, q);
         let seconds_per_pass = quartile(0.5);
         let shortcut = switch.kind == Kind::Shortcut;
-        let squares = |parts: &Parts| if shortcut { parts.variances.clone() } else { parts.squares.clone() };
-        let points: Vec<(u32, Vec<f64>)> =
-            runs.levels.iter().zip(&runs.parts).map(|(n, p)| (*n, squares(p))).collect();
-        let fit = Fit::new(&points);
+        let fit = Fit::new(&runs.squares(switch.kind));
         let price = |fit: &Fit, error: f64| {
             let samples = fit.samples(error)?;
             let seconds = samples.times(seconds_per_pass);
@@ -200,6 +206,9 @@ impl Measured {
             s.sort_by(f64::total_cmp);
             quantile(&s, 0.5)
         };
+        // Where errors do not converge, nobody knows what noise there will be.
+        let converges = |fit: &Option<Fit>| fit.as_ref().is_none_or(Fit::converges);
+        let known = converges(&fit) && converges(&Fit::new(&full.squares(Kind::Full)));
         let own = runs.price_of_noise(switch.kind, seconds_per_pass);
         let of_full = full.price_of_noise(Kind::Full, median(full));
         let bias = runs.parts.last().map_or(Interval::around(0.0, 0.0), bias_squared);
@@ -217,8 +226,12 @@ impl Measured {
             change: change(runs, full, light),
             floor: bias.root(),
             prices,
-            efficiency: own.zip(of_full).map(|(own, full)| full / own),
-            until: if shortcut { until(own, of_full, bias) } else { Until::NoShortcut },
+            efficiency: own.zip(of_full).filter(|_| known).map(|(own, full)| full / own),
+            until: match (shortcut, known) {
+                (false, _) => Until::NoShortcut,
+                (true, false) => Until::NotKnown,
+                (true, true) => until(own, of_full, bias),
+            },
         }
     }
 
@@ -228,10 +241,10 @@ impl Measured {
         self.prices.iter().find(|p| p.error == error)
     }
 
-    /// Whether its errors were not seen to fall, so that nobody can say what a smaller one takes.
+    /// Whether its errors were seen not to converge, so that nobody can say what a smaller one takes.
     #[must_use]
-    pub fn does_not_fall(&self) -> bool {
-        self.fit.as_ref().is_some_and(|f| !f.falls())
+    pub fn does_not_converge(&self) -> bool {
+        self.fit.as_ref().is_some_and(|f| !f.converges())
     }
 
     /// Whether its picture is proved to be another than the full one.

@@ -309,9 +309,9 @@ fn the_page_stands_alone() {
     );
 }
 
-/// Guards that no price is made up for a way whose errors do not fall, and that the page says so.
+/// Guards that the page tells no price of a way whose errors do not converge, and says so.
 #[test]
-fn what_does_not_fall_has_no_price() {
+fn what_does_not_converge_has_no_price() {
     let mut report = OF_BALLS.0.clone();
     let other = report.switches.iter().position(|m| m.kind == Kind::Algorithm).expect("another way");
     let mut way = report.switches.swap_remove(other);
@@ -323,7 +323,11 @@ fn what_does_not_fall_has_no_price() {
     report.switches.push(way);
     let html = page(&report, &OF_BALLS.1, &[], &About::default());
     is_well_formed(&html);
-    assert!(html.contains("no fall seen") && html.contains("cannot be told"), "{html}");
+    assert!(html.contains("not converging") && html.contains("cannot be told"), "{html}");
+    let full = report.switches[0].fit.as_mut().expect("a line");
+    full.slope = Interval::around(-0.3, 0.5);
+    report.switches[0].prices.clear();
+    assert!(page(&report, &OF_BALLS.1, &[], &About::default()).contains("It does not converge yet"));
 }
 
 /// A page of nothing is a page; a black scene is an error; whoever cancels is obeyed.

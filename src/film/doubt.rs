@@ -69,14 +69,6 @@ pub enum Doubt {
     },
 }
 
-impl Doubt {
-    /// Whether it is that light is missing, which an estimate alone does not know.
-    #[must_use]
-    pub fn is_of_light(&self) -> bool {
-        matches!(self, Self::LightNotFound { .. } | Self::LightNotReached { .. })
-    }
-}
-
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shown {
@@ -182,8 +174,14 @@ impl Film {
         all
     }
 
+    /// Light that is missing beside an estimate of the picture's error, or may be: what the estimate cannot know.
+    #[must_use]
+    pub fn missing_light(&self, error: f64) -> Option<Doubt> {
+        self.light_not_found(error).or_else(|| self.light_not_reached(error))
+    }
+
     /// Light of which nothing arrived, beside the estimate of the picture's error.
-    pub(super) fn light_not_reached(&self, error: f64) -> Option<Doubt> {
+    fn light_not_reached(&self, error: f64) -> Option<Doubt> {
         let cross = self.cross.as_ref()?;
         let samples: f64 = self.counts.iter().map(|&n| f64::from(n)).sum();
         let [one, two] = blocked_formats();
@@ -203,7 +201,7 @@ impl Film {
     }
 
     /// Light that photons bring and paths did not find, beside the estimate of the picture's error.
-    pub(super) fn light_not_found(&self, error: f64) -> Option<Doubt> {
+    fn light_not_found(&self, error: f64) -> Option<Doubt> {
         let cells = self.cross_cells();
         let c = ERROR_FLOOR * cells.last()?.luminance / self.pixels() as f64;
         let seen = |&k: &usize| cells.iter().any(|c| c.by_class[k].photons > 0.0);
@@ -329,6 +327,21 @@ mod tests {
         // More of what paths did find.
         let found = doubt(&film(0.2, 40_000, 0, SIDE, 1.5));
         assert!(matches!(found, Some(Doubt::LightNotFound { caustic: false, .. })), "{found:?}");
+    }
+
+    /// Guards what is said of looks between those that look for light: what is missing before all, what may be after the rest.
+    #[test]
+    fn missing_light_is_remembered() {
+        let film = film(0.2, 40_000, light_class(2, true), SIDE, 0.5);
+        let squares = film.error_squares().expect("squares");
+        let missing = film.missing_light(squares.estimate().error);
+        assert!(matches!(missing, Some(Doubt::LightNotFound { .. })), "{missing:?}");
+        assert_eq!(film.error_beside(&squares, missing), film.error_of(&squares));
+        assert!(film.error_beside(&squares, None).trusted);
+        let few = crate::film::Squares { of_pixels: vec![1e-4; 4], ..squares };
+        assert_eq!(film.error_beside(&few, missing).doubt, missing);
+        let may_be = Some(Doubt::LightNotReached { share: 1.0, light: 0 });
+        assert!(matches!(film.error_beside(&few, may_be).doubt, Some(Doubt::FewPixels { .. })));
     }
 
     /// Guards the bound of light that never arrived. By hand: of the 16 passes over 1024 pixels that are ones, each fourth

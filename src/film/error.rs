@@ -137,10 +137,18 @@ impl Film {
     /// The same from squares of this film.
     #[must_use]
     pub fn error_of(&self, squares: &Squares) -> ErrorEstimate {
+        self.error_beside(squares, self.missing_light(squares.estimate().error))
+    }
+
+    /// The same where [`Self::missing_light`] is known, be it of some samples before.
+    #[must_use]
+    pub fn error_beside(&self, squares: &Squares, light: Option<Doubt>) -> ErrorEstimate {
         let mut found = squares.estimate();
         // What is missing says more than that something may be.
-        let may_be = found.doubt.or_else(|| self.light_not_reached(found.error));
-        found.doubt = self.light_not_found(found.error).or(may_be);
+        found.doubt = match light {
+            Some(Doubt::LightNotFound { .. }) => light,
+            _ => found.doubt.or(light),
+        };
         found.trusted = found.doubt.is_none();
         if !found.trusted {
             found.tail = self.tail();

@@ -1,7 +1,7 @@
 //! Both ways on at clear glass.
 //!
-//! In: a path that was never spread since the camera, only by mirrors, clear glass and what is nearly as smooth, at a
-//! surface that reflects and refracts.
+//! In: a path that has met nothing since the camera but mirrors, clear glass and what is nearly as smooth, at a surface that
+//! reflects and refracts.
 //! Out: the path on its greater way, and the lesser one, which waits. Each carries its share of the light, so that both
 //! together are the mean over a choice by chance, without the noise of that choice: a lamp that is fourteen times as bright
 //! as its room makes a highlight on glass in which one sample in twenty-five would carry nearly all light. (Splitting; Arvo

@@ -123,6 +123,8 @@ struct FilmState {
     passes_done: u32,
     /// The last estimate of the error, and the passes that it is of.
     error: Option<(ErrorEstimate, u32)>,
+    /// The light that was missing when it was looked for last.
+    missing: Option<Doubt>,
     /// Whether the error that was asked for is reached: nothing is added any more.
     reached: bool,
     bad: Vec<BadSample>,
@@ -174,6 +176,7 @@ pub(super) fn drive(
             ready: BTreeMap::new(),
             passes_done: 0,
             error: error.map(|e| (e, done)),
+            missing: None,
             reached,
             bad: Vec::new(),
         }),
@@ -198,9 +201,10 @@ pub fn is_looked_at(passes: u32) -> bool {
     passes >= 8 && passes.is_multiple_of((octave / 16).max(4))
 }
 
-/// Whether doubts are looked for after so many passes, where the error is not reached: four times in each octave.
-fn is_doubted_at(passes: u32) -> bool {
-    passes.is_multiple_of(((1 << passes.max(1).ilog2()) / 4).max(16))
+/// Whether missing light is looked for after so many passes, where the error is not reached: at the first looks, and then
+/// four times in each octave at most.
+fn is_light_missed_at(passes: u32) -> bool {
+    passes < 16 || passes.is_multiple_of(((1 << passes.ilog2()) / 4).max(16))
 }
 
 impl Job<'_> {
@@ -354,14 +358,12 @@ impl Job<'_> {
                 && let Some(squares) = state.film.error_squares()
             {
                 self.control.looked(done, &squares);
-                let mut found = squares.estimate();
-                // Doubts take as long as the estimate. They matter where the error is reached; whoever watches hears of them.
-                if found.error <= target || is_doubted_at(done) {
-                    found = state.film.error_of(&squares);
-                } else if let Some((before, _)) = state.error {
-                    found.doubt = found.doubt.or(before.doubt.filter(Doubt::is_of_light));
-                    found.trusted = found.doubt.is_none();
+                let error = squares.estimate().error;
+                // It takes as long as the estimate, and matters where the error is reached; whoever watches hears of it, too.
+                if error <= target || is_light_missed_at(done) {
+                    state.missing = state.film.missing_light(error);
                 }
+                let found = state.film.error_beside(&squares, state.missing);
                 state.error = Some((found, done));
                 state.reached = found.trusted && found.error <= target;
             }

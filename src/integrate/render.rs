@@ -200,6 +200,9 @@ pub enum RenderError {
         /// The whole picture.
         size: [u32; 2],
     },
+    /// Some pixels were chosen of another picture, or of another part of it.
+    #[error("the pixels that were chosen are not those of this part of the picture")]
+    Sparse,
     /// There is nothing to do.
     #[error("no samples were asked for")]
     NoPasses,
@@ -383,7 +386,7 @@ pub fn render_onto(
     if let Some(sparse) = &options.sparse
         && !sparse.is_of(scene.size, options.shown(scene))
     {
-        return Err(RenderError::Crop { crop: options.shown(scene), size: scene.size });
+        return Err(RenderError::Sparse);
     }
     let layers = options.layers || options.layer_noise;
     let tracer = Tracer::new(scene, options.shown(scene), options.sparse);
@@ -391,5 +394,9 @@ pub fn render_onto(
     let second = Second::new(scene, layout.crop).filter(|_| layout.cross);
     let sparse = options.sparse;
     let source = Planned { scene, kernel: kernel(&scene.plan), tracer, second, sparse, features, layers };
-    drive(&source, film, options, control)
+    let mut outcome = drive(&source, film, options, control)?;
+    if let Some(sparse) = &options.sparse {
+        outcome.bad.iter_mut().for_each(|bad| bad.pixel = sparse.pixel(bad.pixel));
+    }
+    Ok(outcome)
 }

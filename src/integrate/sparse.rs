@@ -36,6 +36,9 @@ impl Sparse {
         grid[shorter] = ((f64::from(grid[shorter]) / wide).round() as u32).max(1);
         let rest = (pixels as f64 / f64::from(grid[shorter])).round() as u32;
         grid[1 - shorter] = rest.clamp(1, grid[1 - shorter]);
+        if grid == [width, height] {
+            return None;
+        }
         let all = photons(u64::from(size[0]) * u64::from(size[1]));
         let coarse = (f64::from(all) / photons_of.max(1) as f64).sqrt() as u32;
         // What is averaged lies within a block.
@@ -133,6 +136,7 @@ mod tests {
             }
         }
         assert_eq!(Sparse::new([64, 64], [0, 0, 64, 64], 4096, 4096), None);
+        assert_eq!(Sparse::new([72, 57], [0, 0, 72, 57], 4096, 4096), None);
         // 800x800: blocks of 12.5 pixels; photons as for 8192 pixels of 8 wide.
         let hexroom = Sparse::new([800, 800], [0, 0, 800, 800], 4096, 8192).expect("fewer");
         assert_eq!((hexroom.grid(), hexroom.coarse()), ([64, 64], 8));

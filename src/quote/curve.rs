@@ -102,6 +102,19 @@ impl Curve {
         if clear.len() < 3 { recent } else { clear }
     }
 
+    /// Whether an error was reached within the curve.
+    #[must_use]
+    pub fn has_reached(&self, error: f64) -> bool {
+        self.reached(error * error, &[1.0; GROUPS]).is_some()
+    }
+
+    /// The first point at which a weighting of the groups is no more than the square of an error.
+    fn reached(&self, wanted: f64, weights: &[f64; GROUPS]) -> Option<&Point> {
+        let last = self.points.last()?;
+        let mut points = self.points.iter().filter(|p| p.passes >= FEWEST.min(last.passes));
+        points.find(|p| p.weighted(weights) + p.bias[0] <= wanted)
+    }
+
     /// When a render that asks for an error stops: `None` where the curve has no points.
     #[must_use]
     pub fn forecast(&self, error: f64) -> Option<Forecast> {
@@ -109,16 +122,12 @@ impl Curve {
         let wanted = error * error;
         let fitted = self.fitted();
         // Where the error is reached within the curve, that says when; beyond, the law goes on.
-        let reached = |weights: &[f64; GROUPS]| {
-            let mut points = self.points.iter().filter(|p| p.passes >= FEWEST.min(last.passes));
-            points.find(|p| p.weighted(weights) + p.bias[0] <= wanted)
-        };
-        let within = reached(&[1.0; GROUPS]).is_some();
+        let within = self.has_reached(error);
         let gathered = last.gathered / last.weighted(&[1.0; GROUPS]).max(f64::MIN_POSITIVE);
         let gathered = gathered.clamp(0.0, MOST_GATHERED);
         let stops = |weights: &[f64; GROUPS]| {
             // Noise at the first points is no reason to stop there, where the curve itself does not.
-            if let Some(reached) = reached(weights).filter(|_| within) {
+            if let Some(reached) = self.reached(wanted, weights).filter(|_| within) {
                 return Some(f64::from(reached.passes));
             }
             let n = f64::from(last.passes);
@@ -263,6 +272,7 @@ mod tests {
             curve(1, 4096, 0.0, 128).forecast(0.125).expect("points"),
             Forecast { samples: 64, interval: [64, 68] }
         );
+        assert!(curve(1, 4096, 0.0, 128).has_reached(0.125) && !curve(1, 4096, 0.0, 128).has_reached(0.05));
         let found = curve(4, 1024, 8.0, 128).forecast(0.05).expect("points");
         assert!(found.interval[0] > 128 && found.interval[1] < 1500, "{found:?}");
     }

@@ -12,6 +12,7 @@ use crate::support::seed::seed;
 const HEXROOM: &str = include_str!("../../scenes/hexroom.toml");
 const CORNELL: &str = include_str!("../../scenes/cornell.toml");
 const PENUMBRA: &str = include_str!("../../fixtures/golden/sphere-penumbra/scene.toml");
+const SLAB: &str = include_str!("../../fixtures/golden/glass-slab/scene.toml");
 const SHEEN: &str = include_str!("../../fixtures/golden/coat-sheen/scene.toml");
 
 fn prepared(text: &str, side: u32, name: &str) -> Prepared {
@@ -115,6 +116,30 @@ fn some_photons_speak_for_all() {
     let (some, whole) = (caustics(&some), caustics(&whole));
     assert!((some.light / whole.light - 1.0).abs() < 0.1, "{some:?} {whole:?}");
     assert!((0.6..1.6).contains(&(some.noise / whole.noise)), "{some:?} {whole:?}");
+}
+
+/// Guards that a pilot with fewer photons says of the whole picture what it would say of itself: its noise, and which part of
+/// the rays looks for what. By paths and photons to a pane of glass, whose light comes from a map for the most part.
+#[test]
+fn pilots_speak_for_all_photons() {
+    let algorithms = Algorithms { caustics: CausticsMode::Photon, ..Algorithms::PATHS };
+    let options = Options { algorithms, ..options([256; 2], seed("all photons"), None) };
+    let scene = prepare(&parse_toml(SLAB).expect("a scene of the project").0, &options).expect("a camera");
+    let pilot = pilot_of(&scene, 1);
+    assert_eq!((pilot.every, pilot.passes), (16.0, 16));
+    let options = RenderOptions { layer_noise: true, ..RenderOptions::passes(0..16) };
+    let whole = render(&scene, &options, &Quiet).expect("passes");
+    let noise = |error: &ErrorEstimate| {
+        let bias = error.map_bias.map_or(0.0, |b| b.error);
+        (error.error * error.error - bias * bias).sqrt()
+    };
+    let (some, all) = (pilot.error.expect("an error"), whole.film.error().expect("an error"));
+    assert!((noise(&some) / noise(&all) - 1.0).abs() < 0.1, "{some:?} {all:?}");
+    let rays: u64 = whole.counters.layer_rays.iter().sum();
+    for part in &pilot.parts {
+        let share = whole.counters.layer_rays[part.layer as usize] as f64 / rays as f64;
+        assert!((part.rays - share).abs() < 0.02, "{part:?} {share}");
+    }
 }
 
 /// Whether two errors are the same, within three times what both intervals allow.

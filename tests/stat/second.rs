@@ -110,25 +110,25 @@ fn check_all(scenes: Vec<(String, Scene)>, passes: [u32; 2], bound: impl Fn(&str
 /// Guards how photons leave every kind of light.
 #[test]
 fn lights() {
-    check_all(features::lights(), [64, 1280], |_| 0.5);
+    check_all(features::lights(), [64, 1760], |_| 0.5);
 }
 
 /// Guards every material: photons are scattered as paths are.
 #[test]
 fn materials() {
-    check_all(features::materials(), [64, 1280], |_| 0.65);
+    check_all(features::materials(), [64, 1760], |_| 0.65);
 }
 
 /// Guards layers, which are not reciprocal.
 #[test]
 fn layers() {
-    check_all(features::layers(), [64, 1280], |_| 0.65);
+    check_all(features::layers(), [64, 1760], |_| 0.65);
 }
 
 /// Guards instances, interpolated normals, hidden objects and cameras.
 #[test]
 fn shapes_and_cameras() {
-    check_all(features::shapes_and_cameras(), [64, 1280], |_| 0.65);
+    check_all(features::shapes_and_cameras(), [64, 1760], |_| 0.65);
 }
 
 /// Guards light that goes through absorbing bodies.
@@ -137,7 +137,7 @@ fn lights_and_media() {
     let mut scenes = features::lights_and_media();
     // Paths do not meet a point by way of a smooth surface.
     scenes.retain(|(name, _)| name != "a point inside of an absorber");
-    check_all(scenes, [128, 1280], |_| 0.65);
+    check_all(scenes, [128, 1760], |_| 0.65);
 }
 
 /// Guards rooms in which light is spread many times, and classes of light from several lamps.
@@ -148,7 +148,7 @@ fn rooms() {
     let cornell = parse_toml(include_str!("../../scenes/cornell.toml")).expect("a scene").0;
     let scenes = [("hexroom", hexroom), ("cornell", cornell), ("everything", features::everything())];
     let scenes = scenes.map(|(name, scene)| (name.to_owned(), scene)).to_vec();
-    check_all(scenes, [128, 3200], |name| if name == "everything" { 0.6 } else { 0.07 });
+    check_all(scenes, [128, 3520], |name| if name == "everything" { 0.6 } else { 0.07 });
 }
 
 /// A render of some passes, and why its error is doubted.

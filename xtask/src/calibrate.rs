@@ -3,7 +3,8 @@
 //! In: scenes and the program. Out: for each scene a row that says how often the true error E lies inside the stated
 //! interval of 95 %, how wide that is, and how often it is called not trustworthy. The truth comes from a long
 //! reference of another seed, whose own noise is subtracted: E^2 = E(picture, reference)^2 - E(reference)^2. Results
-//! are kept in target/calibrate, those of runs by the program that made them, so that it goes on where it ended.
+//! are kept in target/calibrate, those of runs by the program that made them, so that it goes on where it ended. With
+//! `--quotes` instead: what was quoted of an error and what came, which needs no reference (`quotes`).
 
 mod cases;
 mod quotes;

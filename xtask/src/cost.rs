@@ -114,19 +114,22 @@ fn price(way: &Value) -> Option<[f64; 2]> {
 /// A row of the table: the full picture, other ways to it, and what noise costs without the dearest effects.
 fn row(name: &str, report: &Value) -> String {
     let ways = array(report, "switches");
-    let Some([samples, rays]) = ways.first().and_then(price) else { return format!("| {name} | | | | |") };
+    let Some([samples, rays]) = ways.first().and_then(price) else {
+        let known = ways.first().is_some_and(|w| !w["fit"].is_null());
+        return format!("| {name} | {} | | | |", if known { "not converging" } else { "" });
+    };
     let ratio = |way: &Value| price(way).map(|[_, other]| other / rays);
     let of = |kind: &str| -> Vec<(&Value, f64)> {
         ways.iter().filter(|w| text(w, "kind") == kind).filter_map(|w| Some((w, ratio(w)?))).collect()
     };
     let mut others = of("algorithm");
     others.retain(|(_, r)| *r < CHEAPER || *r > DEARER);
-    // Prices of errors that were not seen to fall are not told.
-    let untold = ways.iter().filter(|w| text(w, "kind") == "algorithm" && price(w).is_none());
+    let untold =
+        ways.iter().filter(|w| text(w, "kind") == "algorithm" && !w["fit"].is_null() && price(w).is_none());
     let others: Vec<String> = others
         .iter()
         .map(|(w, r)| format!("{} {}", text(w, "name"), digits(*r)))
-        .chain(untold.map(|w| format!("{}: no fall seen", text(w, "name"))))
+        .chain(untold.map(|w| format!("{}: not converging", text(w, "name"))))
         .collect();
     let mut shortcuts = of("shortcut");
     shortcuts.retain(|(_, r)| *r < CHEAPER);
@@ -194,13 +197,14 @@ mod tests {
             way("caustics by photons", "algorithm", "", 100.0, 12.0),
             way("4 light samples", "algorithm", "", 1000.0, 12.0),
             way("split 4 ways", "algorithm", "", 1000.0, 24.0),
-            serde_json::json!({ "name": "caustics by paths", "kind": "algorithm", "rays_per_sample": 8.0, "prices": [] }),
+            serde_json::json!({ "name": "caustics by paths", "kind": "algorithm", "fit": { "slope": 0.1 }, "prices": [] }),
+            serde_json::json!({ "name": "too little", "kind": "algorithm", "fit": null, "prices": [] }),
             way("without mirror", "shortcut", "mirror", 600.0, 8.0),
             way("at most 4 events", "shortcut", "light after 4 events", 1000.0, 4.0),
             way("at most 8 events", "shortcut", "light after 8 events", 1230.0, 8.0),
         ] });
-        let expected = "| room | 1200 | 9900 | caustics by photons 0.12, split 4 ways 2.4, caustics by paths: no fall seen | light after 4 events 0.41, mirror 0.49 |";
+        let expected = "| room | 1200 | 9900 | caustics by photons 0.12, split 4 ways 2.4, caustics by paths: not converging | light after 4 events 0.41, mirror 0.49 |";
         assert_eq!(row("room", &report), expected);
-        assert_eq!(row("room", &Value::Null), "| room | | | | |");
+        assert_eq!(row("room", &Value::Null), "| room |  | | | |");
     }
 }

@@ -77,7 +77,7 @@ fn given_up(report: &CostReport, words: &Words<'_>) -> String {
     let error = |m: &Measured| match m.until {
         Until::Seconds { error, .. } => error,
         Until::NotSeen => 0.0,
-        Until::Never | Until::NoShortcut => f64::INFINITY,
+        Until::Never | Until::NotKnown | Until::NoShortcut => f64::INFINITY,
     };
     shortcuts.retain(|m| error(m).is_finite());
     shortcuts.sort_by(|a, b| error(a).total_cmp(&error(b)));
@@ -124,7 +124,7 @@ pub(super) fn bar(share: f64, class: &str) -> String {
 /// All switches, a row each.
 pub(super) fn table(report: &CostReport, words: &Words<'_>) -> String {
     let row = |m: &Measured| {
-        let unknown = || if m.does_not_fall() { "no fall seen" } else { "unknown" }.to_owned();
+        let unknown = || if m.does_not_converge() { "not converging" } else { "unknown" }.to_owned();
         let time = m.price(MAIN).map_or_else(unknown, |p| words.time(p.seconds.value));
         let unbiased = m.kind != Kind::Shortcut;
         let change = if m.kind == Kind::Full { "\u{2013}".into() } else { signed(m) };

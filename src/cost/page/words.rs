@@ -48,7 +48,15 @@ impl<'a> Words<'a> {
     /// `1 % costs *19 s* at 800×800`.
     pub(super) fn headline(&self) -> String {
         let [w, h] = self.report.size;
-        let Some(price) = self.main() else { return "Too few samples to tell a price".into() };
+        let Some(price) = self.main() else {
+            let diverges = self.full().is_some_and(Measured::does_not_converge);
+            let why = if diverges {
+                "It does not converge yet: no price can be told"
+            } else {
+                "Too few samples to tell a price"
+            };
+            return why.into();
+        };
         let time = self.time(price.seconds.value);
         format!("{} costs *{time}* at {w}\u{d7}{h}", percent_of_target(MAIN))
     }
@@ -66,12 +74,12 @@ impl<'a> Words<'a> {
         std::iter::once(first).chain(self.dearest()).chain(self.estimator()).collect()
     }
 
-    /// The other estimator that matters most: the cheapest where one is surely cheaper, else one whose error does not fall,
-    /// else the dearest that surely is.
+    /// The other estimator that matters most: the cheapest where one is surely cheaper, else one that does not converge, else
+    /// the dearest that surely is.
     fn estimator(&self) -> Option<String> {
         let full = self.main()?.seconds;
         let target = percent_of_target(MAIN);
-        let mut unknown = of_kind(self.report, Kind::Algorithm).filter(|(_, m)| m.does_not_fall());
+        let mut unknown = of_kind(self.report, Kind::Algorithm).filter(|(_, m)| m.does_not_converge());
         let ways =
             of_kind(self.report, Kind::Algorithm).filter_map(|(_, m)| Some((m.price(MAIN)?.seconds, m)));
         let mut sure: Vec<_> = ways.filter(|(s, _)| s.high < full.low || s.low > full.high).collect();
@@ -80,8 +88,8 @@ impl<'a> Words<'a> {
         if let (None, Some((_, m))) = (cheaper, unknown.next()) {
             let last = m.points.last()?;
             return Some(format!(
-                "With *{}* the error did not fall as far as was measured, and was {} after {} samples: when it will be {target} \
-                 cannot be told.",
+                "With *{}* it does not converge as far as was measured, with an error of {} after {} samples: when that will be \
+                 {target} cannot be told.",
                 m.name,
                 percent(last.error.value),
                 last.spp,
@@ -126,6 +134,7 @@ impl<'a> Words<'a> {
             Until::NoShortcut => "\u{2013}".into(),
             Until::Never => "never".into(),
             Until::NotSeen => "no bias seen".into(),
+            Until::NotKnown => "unknown".into(),
             Until::Seconds { seconds, error } => format!(
                 "<span title=\"{}\">{}</span> <span class=\"muted\">({})</span>",
                 Text(&self.range(*seconds)),

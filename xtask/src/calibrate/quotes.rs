@@ -17,24 +17,29 @@ const SECONDS: f64 = 0.20;
 pub(super) struct Quoted {
     /// Samples and seconds, and the interval of the samples.
     quoted: Option<(f64, f64, [f64; 2])>,
-    /// The same of the render, where it reached the error.
-    came: Option<(f64, f64)>,
+    /// The same of the render.
+    came: (f64, f64),
+    /// Whether it reached the error.
+    reached: bool,
 }
 
 impl Quoted {
-    fn from_json(v: &Value) -> Self {
+    fn from_json(v: &Value) -> Option<Self> {
         let quote = &v["quote"];
         let pair = |v: &Value| Some((v["samples"].as_f64()?, v["seconds"].as_f64()?));
         let ends = || Some([quote["samples_interval"][0].as_f64()?, quote["samples_interval"][1].as_f64()?]);
         let quoted = pair(quote).zip(ends()).map(|((samples, seconds), ends)| (samples, seconds, ends));
-        Self { quoted, came: pair(&v["came"]) }
+        Some(Self { quoted, came: pair(&v["came"])?, reached: v["reached"].as_bool()? })
     }
 }
 
-/// What the quotes of a case come to, over the runs that reached the error.
+/// What the quotes of a case come to, over the runs that reached the error, and those that took more than was quoted and did
+/// not: these are as far off, at least, as where they ended.
 pub(super) struct Quotes {
     name: &'static str,
     runs: usize,
+    /// Runs that reached the error.
+    reached: usize,
     /// Runs for which there was a quote.
     given: usize,
     /// Medians of quoted over actual samples and seconds, and of half the width of the interval over the quote.
@@ -48,14 +53,15 @@ pub(super) struct Quotes {
 
 impl Quotes {
     pub(super) fn new(name: &'static str, runs: &[Quoted]) -> Self {
-        let came: Vec<_> = runs.iter().filter_map(|r| Some((r.came?, r.quoted))).collect();
-        let pairs: Vec<_> = came.iter().filter_map(|(came, quoted)| Some((*came, (*quoted)?))).collect();
+        let counts = |r: &&Quoted| r.reached || r.quoted.is_some_and(|q| r.came.0 > q.0);
+        let pairs: Vec<_> = runs.iter().filter(counts).filter_map(|r| Some((r.came, r.quoted?))).collect();
         let ratios: Vec<[f64; 2]> = pairs.iter().map(|(c, q)| [q.0 / c.0, q.1 / c.1]).collect();
         let middle = |i: usize| median(ratios.iter().map(|r| r[i]).collect());
         let within = |i: usize, most: f64| ratios.iter().filter(|r| (r[i] - 1.0).abs() <= most).count();
         Self {
             name,
-            runs: came.len(),
+            runs: runs.len(),
+            reached: runs.iter().filter(|r| r.reached).count(),
             given: pairs.len(),
             samples: middle(0),
             seconds: middle(1),
@@ -68,8 +74,17 @@ impl Quotes {
 
 pub(super) fn header() -> String {
     format!(
-        "{:<20} {:>4} {:>6} {:>10} {:>6} {:>6} {:>11} {:>10} {:>11}",
-        "scene", "runs", "quotes", "x samples", "+-", "held", "within 15 %", "x seconds", "within 20 %"
+        "{:<20} {:>4} {:>7} {:>6} {:>10} {:>6} {:>6} {:>11} {:>10} {:>11}",
+        "scene",
+        "runs",
+        "reached",
+        "quotes",
+        "x samples",
+        "+-",
+        "held",
+        "within 15 %",
+        "x seconds",
+        "within 20 %"
     )
 }
 
@@ -77,9 +92,10 @@ impl fmt::Display for Quotes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{:<20} {:>4} {:>6} {:>10.2} {:>4.0} % {:>4.0} % {:>9.0} % {:>10.2} {:>9.0} %",
+            "{:<20} {:>4} {:>7} {:>6} {:>10.2} {:>4.0} % {:>4.0} % {:>9.0} % {:>10.2} {:>9.0} %",
             self.name,
             self.runs,
+            self.reached,
             self.given,
             self.samples,
             100.0 * self.width,
@@ -121,8 +137,8 @@ impl Bench<'_> {
         let stated = &report["error"];
         let reached = stated["trusted"] == true && stated["error"].as_f64().is_some_and(|e| e <= error);
         let came = json!({ "samples": report["passes"][1], "seconds": report["seconds"]["render"] });
-        let came = if reached { came } else { Value::Null };
-        self.keep(json!({ "key": key, "quote": said["quotes"][0], "pilot": said["pilot"], "came": came }))
+        let (quote, pilot) = (&said["quotes"][0], &said["pilot"]);
+        self.keep(json!({ "key": key, "quote": quote, "pilot": pilot, "came": came, "reached": reached }))
     }
 }
 
@@ -139,12 +155,12 @@ pub(super) fn run(
     for case in cases {
         let mut runs = Vec::new();
         for i in 0..seeds {
-            let key = format!("quote {}/{i}/{error}/{}", case.name, bench.version);
+            let key = format!("quoted {}/{i}/{error}/{}", case.name, bench.version);
             let found = match known.remove(&key) {
                 Some(found) => found,
                 None => bench.quoted(case, i, error, &key)?,
             };
-            runs.push(Quoted::from_json(&found));
+            runs.push(Quoted::from_json(&found).ok_or_else(|| format!("{key}: the result cannot be read"))?);
         }
         let row = Quotes::new(case.name, &runs);
         println_line(&row.to_string());
