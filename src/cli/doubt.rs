@@ -57,6 +57,7 @@ pub(super) fn words(doubt: &Doubt, lights: &[String]) -> String {
     let of = |light| name(light, lights).map_or(String::new(), |name| format!(" from {name}"));
     match *doubt {
         Doubt::TooNoisy => "too noisy to say".to_owned(),
+        Doubt::FewPixels { carry } if carry.round() <= 1.0 => "1 pixel carries it".to_owned(),
         Doubt::FewPixels { carry } => format!("{carry:.0} pixels carry it"),
         Doubt::LightNotFound { pixels: [x0, y0, x1, y1], share, light, caustic } => {
             let from = of(light);
