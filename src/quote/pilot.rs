@@ -171,7 +171,9 @@ pub fn pilot(
 ) -> Result<Pilot, RenderError> {
     let plain = RenderOptions { layers: false, layer_noise: false, features: false, ..options.clone() };
     let sparse = Sparse::new(scene.size, plain.shown(scene), PIXELS, PHOTONS_OF);
-    let (every, coarse) = sparse.map_or((1.0, 1), |s| (s.every(), s.coarse()));
+    let part =
+        sparse.map_or(Part { every: 1.0, coarse: 1 }, |s| Part { every: s.every(), coarse: s.coarse() });
+    let Part { every, coarse } = part;
     let notes = Notes { curve: Mutex::new(Curve::new(every)), coarse, control };
     let options = RenderOptions { passes: 0..FIRST, sparse, time: None, error: None, ..plain };
     let film = Film::new(layout(scene, &options));
@@ -208,9 +210,9 @@ pub fn pilot(
         passes,
         rays: total.rays,
         elapsed: total.elapsed,
-        pass_seconds: total.whole(every, coarse) / f64::from(passes.max(1)),
+        pass_seconds: total.whole(part) / f64::from(passes.max(1)),
         threads,
-        parts: shares(&parts.film, &parts.counters, every, coarse),
+        parts: shares(&parts.film, &parts.counters, part),
     })
 }
 
@@ -236,6 +238,22 @@ fn is_narrow(curve: &Curve, error: f64) -> bool {
     curve.has_reached(error) || curve.forecast(error).is_some_and(narrow)
 }
 
+/// How much of a picture a pilot renders.
+#[derive(Clone, Copy)]
+struct Part {
+    /// One pixel of so many.
+    every: f64,
+    /// See [`Sparse::coarse`].
+    coarse: u32,
+}
+
+impl Part {
+    /// What all pixels and all photons of the picture take, if these paths and photons took so much.
+    fn whole(self, paths: f64, photons: f64) -> f64 {
+        paths * self.every + photons * f64::from(self.coarse * self.coarse)
+    }
+}
+
 /// What renders took together.
 #[derive(Default)]
 struct Spent {
@@ -254,19 +272,17 @@ impl Spent {
     }
 
     /// Seconds that it would have taken to render all pixels, with all photons.
-    fn whole(&self, every: f64, coarse: u32) -> f64 {
+    fn whole(&self, part: Part) -> f64 {
         let [photons, paths] = [self.photons, self.paths].map(|d| d.as_secs_f64());
-        let all = photons * f64::from(coarse * coarse) + paths * every;
-        self.elapsed.as_secs_f64() * all / (photons + paths).max(1e-9)
+        self.elapsed.as_secs_f64() * part.whole(paths, photons) / (photons + paths).max(1e-9)
     }
 }
 
 /// The shares of the parts of the light, of the most noisy first.
-fn shares(film: &Film, counters: &Counters, every: f64, coarse: u32) -> Vec<EffectShare> {
-    // Those of all pixels, and all photons.
+fn shares(film: &Film, counters: &Counters, part: Part) -> Vec<EffectShare> {
     let rays: [f64; LightLayer::ALL.len()] = std::array::from_fn(|i| {
         let (all, photons) = (counters.layer_rays[i], counters.photon_rays[i]);
-        (all - photons) as f64 * every + photons as f64 * f64::from(coarse * coarse)
+        part.whole((all - photons) as f64, photons as f64)
     });
     let total = rays.iter().sum::<f64>().max(1.0);
     let of = |s: LayerShare| EffectShare {
@@ -290,6 +306,6 @@ mod tests {
     fn the_whole_takes_all_photons_and_pixels() {
         let [two, one, three] = [2, 1, 3].map(Duration::from_secs);
         let spent = Spent { rays: 0, elapsed: two, photons: one, paths: three };
-        assert!((spent.whole(10.0, 2) - 17.0).abs() < 1e-9);
+        assert!((spent.whole(Part { every: 10.0, coarse: 2 }) - 17.0).abs() < 1e-9);
     }
 }

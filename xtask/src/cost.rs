@@ -116,7 +116,7 @@ fn row(name: &str, report: &Value) -> String {
     let ways = array(report, "switches");
     let Some([samples, rays]) = ways.first().and_then(price) else {
         let known = ways.first().is_some_and(|w| !w["fit"].is_null());
-        return format!("| {name} | {} | | | |", if known { "not converging" } else { "" });
+        return format!("| {name} |{} | | | |", if known { " not converging" } else { "" });
     };
     let ratio = |way: &Value| price(way).map(|[_, other]| other / rays);
     let of = |kind: &str| -> Vec<(&Value, f64)> {
@@ -205,6 +205,6 @@ mod tests {
         ] });
         let expected = "| room | 1200 | 9900 | caustics by photons 0.12, split 4 ways 2.4, caustics by paths: not converging | light after 4 events 0.41, mirror 0.49 |";
         assert_eq!(row("room", &report), expected);
-        assert_eq!(row("room", &Value::Null), "| room |  | | | |");
+        assert_eq!(row("room", &Value::Null), "| room | | | | |");
     }
 }
